@@ -1,0 +1,127 @@
+//! Kinematic contact: a disc is pushed out of walls, with Coulomb friction along them.
+//!
+//! Sources: robot specification (contact law), Gauss-Seidel projection. Invariant: a disc that
+//! began a step at most [`TOLERANCE_M`] inside a wall ends it so, whatever the command; where the
+//! projection does not settle the disc stays where it was.
+
+use arenas::index::WallIndex;
+
+use crate::robot::RobotModel;
+
+/// Deepest penetration of a wall that is left standing, metres, in arenas up to a few metres.
+pub const TOLERANCE_M: f32 = 1e-5;
+
+/// Most sweeps of the projection.
+const SWEEPS: usize = 8;
+
+/// Contact constants of a robot in an arena.
+#[derive(Clone, Copy, Debug)]
+pub struct Contact {
+    /// Body radius, metres.
+    pub radius_m: f32,
+    /// Coulomb friction.
+    pub friction: f32,
+    /// Restitution.
+    pub bounce: f32,
+    /// Penetration that does not count as contact, metres.
+    pub slop_m: f32,
+    /// Penetration that may be left standing, metres.
+    pub tolerance_m: f32,
+    /// Longest way of a step at top speed, metres.
+    pub max_step_m: f32,
+}
+
+/// Where a disc ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placed {
+    /// Centre, metres.
+    pub x_m: f32,
+    /// Centre, metres.
+    pub y_m: f32,
+    /// Whether a wall was in the way.
+    pub touched: bool,
+}
+
+impl Contact {
+    /// The constants of a robot in an arena whose larger side is `size_m`.
+    pub fn new(model: &RobotModel, size_m: f64) -> Self {
+        let p = &model.parameters;
+        // Coordinates are rounded to size * 2^-24; contacts cannot be finer than a few of those.
+        let grain = (size_m * f64::from(f32::EPSILON)) as f32;
+        Self {
+            radius_m: p.body_radius_m as f32,
+            friction: p.contact_friction as f32,
+            bounce: p.contact_bounce as f32,
+            slop_m: 2e-6 + 2.0 * grain,
+            tolerance_m: TOLERANCE_M + 4.0 * grain,
+            max_step_m: model.max_step_m() as f32,
+        }
+    }
+
+    /// Distance from a wall within which the index must list it as touchable, metres.
+    pub fn wall_margin_m(model: &RobotModel) -> f64 {
+        model.parameters.body_radius_m + 3.0 * model.max_step_m() + 1e-3
+    }
+
+    /// Moves a disc from a place free of walls towards another.
+    #[inline(always)]
+    pub fn move_to(&self, index: &WallIndex, from: (f32, f32), to: (f32, f32)) -> Placed {
+        let walls = index.touchable(to.0, to.1);
+        let reach = self.radius_m - self.slop_m;
+        let mut closest2 = f32::INFINITY;
+        for &number in walls {
+            let (_, _, d2) = index.wall(number).nearest(to.0, to.1);
+            closest2 = if d2 < closest2 { d2 } else { closest2 };
+        }
+        if closest2 >= reach * reach {
+            return Placed { x_m: to.0, y_m: to.1, touched: false };
+        }
+        self.push_out(index, walls, from, to)
+    }
+
+    /// The part of [`Contact::move_to`] that runs only in contact.
+    #[inline(never)]
+    fn push_out(
+        &self,
+        index: &WallIndex,
+        walls: &[u32],
+        from: (f32, f32),
+        to: (f32, f32),
+    ) -> Placed {
+        let (mut x, mut y) = to;
+        let reach = self.radius_m - self.slop_m;
+        for sweep in 0..SWEEPS {
+            let mut deepest = 0.0_f32;
+            for &number in walls {
+                let (dx, dy, d2) = index.wall(number).nearest(x, y);
+                if d2 >= reach * reach {
+                    continue;
+                }
+                let distance = d2.sqrt();
+                if distance < 1e-6 {
+                    // The centre is on the wall: no normal to push along.
+                    return Placed { x_m: from.0, y_m: from.1, touched: true };
+                }
+                let depth = self.radius_m - distance;
+                deepest = deepest.max(depth);
+                let (nx, ny) = (-dx / distance, -dy / distance);
+                let push = if sweep == 0 { depth * (1.0 + self.bounce) } else { depth };
+                x += nx * push;
+                y += ny * push;
+                // Coulomb: the slip of this step along the wall shrinks by friction * depth.
+                let slip = (y - from.1) * nx - (x - from.0) * ny;
+                let brake = slip.abs().min(self.friction * depth).copysign(slip);
+                x += ny * brake;
+                y -= nx * brake;
+            }
+            if deepest <= self.slop_m {
+                return Placed { x_m: x, y_m: y, touched: true };
+            }
+        }
+        let limit = self.radius_m - self.tolerance_m;
+        let settled =
+            walls.iter().all(|&number| index.wall(number).nearest(x, y).2 >= limit * limit);
+        let (x_m, y_m) = if settled && x.is_finite() && y.is_finite() { (x, y) } else { from };
+        Placed { x_m, y_m, touched: true }
+    }
+}

@@ -1,0 +1,308 @@
+//! Rigid bodies of rapier2d: discs with mass, friction and bounce that push walls and each other.
+//!
+//! Wheels and headings are integrated elsewhere; here rotation is locked and each step turns the
+//! displacement that a robot wants into a velocity. Settings were tuned for 64 ms steps.
+
+use arenas::{Arena, Segment};
+use rapier2d::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::robot::RobotModel;
+
+/// Substeps of the solver in one step; with fewer, discs sink into wedges.
+const SOLVER_ITERATIONS: usize = 4;
+
+/// rapier's `length_unit` of a body with a radius of one metre: 0.1 for an e-puck. It scales the
+/// margins of the broad phase and the cap on speed.
+const LENGTH_UNIT_PER_RADIUS: f64 = 0.1 / 0.037;
+
+/// Contacts exist from this many steps at top speed on. Two robots that meet close in by two steps
+/// at once, and a contact that is not known before it is reached comes too late.
+const PREDICTION_STEPS: f64 = 2.1;
+
+/// Longest way that one solver step may take a body, in radii: a disc must not change sides of a
+/// wall before the contact turns it back. Steps of faster robots are cut into equal parts.
+const LONGEST_PART_RADII: f64 = 0.5;
+
+/// Steps below this many radii leave the contact margin as it is, so that it is never zero.
+const SHORTEST_PART_RADII: f64 = 0.05;
+
+/// A body that went farther than twice the longest part and this many radii broke the laws of
+/// motion and is put back.
+const TRAVEL_SLACK_RADII: f64 = 0.1;
+
+/// No body may go this many radii in one part, whatever pushes it.
+const MOST_TRAVEL_RADII: f64 = 0.9;
+
+/// Deviations that are rounding and no contact: metres, and units in the last place of the
+/// coordinate (one and a half for the target and the body, half a unit for each solver substep).
+const ROUNDING_M: f32 = 1e-6;
+const ROUNDING_ULPS: f32 = 3.0;
+
+/// What the bodies are made of and how steps are taken; fixed for the life of an engine.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct Settings {
+    radius_m: f32,
+    mass_kg: f32,
+    friction: f32,
+    bounce: f32,
+    /// Solver steps in a control step.
+    parts: u32,
+    part_s: f32,
+    /// Longest way at top speed in one part.
+    part_m: f32,
+    /// Ways beyond this are undone.
+    travel_limit_m: f32,
+}
+
+impl Settings {
+    fn new(model: &RobotModel) -> Self {
+        let p = &model.parameters;
+        let radius_m = p.body_radius_m;
+        let step_m = model.max_step_m();
+        let parts = (step_m / (LONGEST_PART_RADII * radius_m)).ceil().max(1.0);
+        let part_m = (step_m / parts).max(SHORTEST_PART_RADII * radius_m);
+        let travel_m = 2.0 * part_m + TRAVEL_SLACK_RADII * radius_m;
+        Self {
+            radius_m: radius_m as f32,
+            mass_kg: p.mass_kg as f32,
+            friction: p.contact_friction as f32,
+            bounce: p.contact_bounce as f32,
+            parts: parts as u32,
+            part_s: (p.step_s / parts) as f32,
+            part_m: part_m as f32,
+            travel_limit_m: travel_m.min(MOST_TRAVEL_RADII * radius_m) as f32,
+        }
+    }
+
+    fn integration(&self) -> IntegrationParameters {
+        let length_unit = (f64::from(self.radius_m) * LENGTH_UNIT_PER_RADIUS) as f32;
+        IntegrationParameters {
+            dt: self.part_s,
+            length_unit,
+            normalized_prediction_distance: PREDICTION_STEPS as f32 * self.part_m / length_unit,
+            // Bodies that overlap leave each other no faster than robots drive.
+            normalized_max_corrective_velocity: self.part_m / self.part_s / length_unit,
+            num_solver_iterations: SOLVER_ITERATIONS,
+            // Recycled contacts keep their normal over a way that is long for a small robot, which
+            // would then hang on the ends of walls.
+            contact_recycling: false,
+            ..IntegrationParameters::default()
+        }
+    }
+
+    fn surface(&self, shape: ColliderBuilder) -> ColliderBuilder {
+        shape
+            .friction(self.friction)
+            .friction_combine_rule(CoefficientCombineRule::Max)
+            .restitution(0.0)
+    }
+}
+
+/// Rigid bodies for all robots of one arena.
+///
+/// Robots come first among the bodies and walls first among the colliders; whatever else is to be
+/// pushed around goes behind them.
+///
+/// Serialised, it holds everything that the future depends on, contacts included: a restored
+/// engine goes on bit for bit. Equal engines give equal bytes.
+#[derive(Serialize, Deserialize)]
+pub struct RapierEngine {
+    settings: Settings,
+    /// Ends of all walls, the boundary first: x1, y1, x2, y2 in metres.
+    walls_m: Vec<[f32; 4]>,
+    world: PhysicsWorld,
+    /// The body of each robot, by the robot's number.
+    robots: Vec<RigidBodyHandle>,
+    #[serde(skip)]
+    scratch: Scratch,
+}
+
+/// Buffers that live within one step.
+#[derive(Default)]
+struct Scratch {
+    /// What contacts added to each robot's way.
+    pushes_m: Vec<Vector>,
+    /// How far each robot bounces back, along x and y.
+    rebound_m: [Vec<f32>; 2],
+}
+
+impl RapierEngine {
+    /// The engine of an arena with one robot of the model at each (x, y), metres.
+    pub fn new(arena: &Arena, model: &RobotModel, x_m: &[f32], y_m: &[f32]) -> Self {
+        let ends_m = |s: &Segment| [s.a.x, s.a.y, s.b.x, s.b.y].map(|v| v as f32);
+        let mut engine = Self {
+            settings: Settings::new(model),
+            walls_m: arena
+                .boundary()
+                .iter()
+                .chain(arena.walls())
+                .map(ends_m)
+                .collect(),
+            world: PhysicsWorld::new(),
+            robots: Vec::new(),
+            scratch: Scratch::default(),
+        };
+        engine.place(x_m, y_m);
+        engine
+    }
+
+    /// Puts one robot at each (x, y), metres, in place of those that were there.
+    ///
+    /// All bodies are made anew, so that nothing of the past is left: the same places have the same
+    /// future, bit for bit.
+    pub fn place(&mut self, x_m: &[f32], y_m: &[f32]) {
+        let settings = &self.settings;
+        let mut world = PhysicsWorld::new();
+        world.gravity = Vector::ZERO;
+        world.integration_parameters = settings.integration();
+        for &[x1, y1, x2, y2] in &self.walls_m {
+            let wall = ColliderBuilder::segment(Vector::new(x1, y1), Vector::new(x2, y2));
+            world.insert_collider(settings.surface(wall), None);
+        }
+        self.robots.clear();
+        for (&x, &y) in x_m.iter().zip(y_m) {
+            let body = RigidBodyBuilder::dynamic()
+                .translation(Vector::new(x, y))
+                .lock_rotations()
+                .can_sleep(false);
+            let disc = ColliderBuilder::ball(settings.radius_m).mass(settings.mass_kg);
+            let (robot, _) = world.insert(body, settings.surface(disc));
+            self.robots.push(robot);
+        }
+        self.world = world;
+    }
+
+    /// One control step: robot `i` wants to go by (`dx_m[i]`, `dy_m[i]`) from (`x_m[i]`, `y_m[i]`),
+    /// where the last step or [`Self::place`] left it.
+    ///
+    /// Writes where each robot ended and whether something was in its way or pushed it. Without
+    /// contact that is exactly the f32 sum of place and displacement (of parts of the displacement
+    /// where the robot covers more than half its radius in a step). A displacement that is not
+    /// finite or beyond the model's top speed by far is not made; it counts as touched.
+    ///
+    /// # Panics
+    /// If a slice has another length than the number of robots.
+    pub fn step(
+        &mut self,
+        x_m: &mut [f32],
+        y_m: &mut [f32],
+        dx_m: &[f32],
+        dy_m: &[f32],
+        touched: &mut [bool],
+    ) {
+        let robots = self.robots.len();
+        let lengths = [x_m.len(), y_m.len(), dx_m.len(), dy_m.len(), touched.len()];
+        assert_eq!(lengths, [robots; 5], "one entry a robot");
+        touched.fill(false);
+        // Part of the scratch that a restored world begins anew, hence not once and for all.
+        self.world.physics_pipeline.counters.disable();
+        let share = 1.0 / self.settings.parts as f32;
+        for _ in 0..self.settings.parts {
+            self.part(x_m, y_m, dx_m, dy_m, share, touched);
+            if self.settings.bounce > 0.0 && self.rebound() {
+                let [back_x_m, back_y_m] = std::mem::take(&mut self.scratch.rebound_m);
+                self.part(x_m, y_m, &back_x_m, &back_y_m, 1.0, touched);
+                self.scratch.rebound_m = [back_x_m, back_y_m];
+            }
+        }
+    }
+
+    /// Finds how far each robot bounces off what just pushed it, and whether any does.
+    ///
+    /// Restitution as in the kinematic engine: the push along the normal counts `1 + bounce` times.
+    /// rapier's own restitution acts on the velocity that a step ends with, and the next step's
+    /// command would overwrite that unseen.
+    fn rebound(&mut self) -> bool {
+        let [back_x_m, back_y_m] = &mut self.scratch.rebound_m;
+        back_x_m.clear();
+        back_y_m.clear();
+        let mut any = false;
+        for (&robot, &push) in self.robots.iter().zip(&self.scratch.pushes_m) {
+            let mut back = Vector::ZERO;
+            if push != Vector::ZERO {
+                let normal = contact_normal(&self.world, robot);
+                back = normal * (self.settings.bounce * push.dot(normal).max(0.0));
+                any |= back != Vector::ZERO;
+            }
+            back_x_m.push(back.x);
+            back_y_m.push(back.y);
+        }
+        any
+    }
+
+    /// Moves the bodies by `share` of the displacements.
+    fn part(
+        &mut self,
+        x_m: &mut [f32],
+        y_m: &mut [f32],
+        dx_m: &[f32],
+        dy_m: &[f32],
+        share: f32,
+        touched: &mut [bool],
+    ) {
+        let parts_per_s = 1.0 / self.settings.part_s;
+        let limit2 = self.settings.travel_limit_m * self.settings.travel_limit_m;
+        let sound = |way: Vector| way.length_squared() <= limit2; // False for NaN.
+
+        for (i, &robot) in self.robots.iter().enumerate() {
+            let body = &mut self.world.bodies[robot];
+            let target = Vector::new(x_m[i] + share * dx_m[i], y_m[i] + share * dy_m[i]);
+            // The body may lie a rounding error beside its robot; that is made good here.
+            let way = target - body.translation();
+            let way = if sound(way) { way } else { Vector::ZERO };
+            body.set_linvel(way * parts_per_s, false);
+        }
+        self.world.step();
+
+        self.scratch.pushes_m.clear();
+        for (i, &robot) in self.robots.iter().enumerate() {
+            let body = &self.world.bodies[robot];
+            let start = Vector::new(x_m[i], y_m[i]);
+            let target = start + share * Vector::new(dx_m[i], dy_m[i]);
+            let end = body.translation();
+            let rounding_m = ROUNDING_M + ROUNDING_ULPS * f32::EPSILON * target.abs().max_element();
+            let off = (end - target).abs();
+            let place = if off.x <= rounding_m && off.y <= rounding_m && sound(target - start) {
+                target
+            } else if sound(end - start) && body.is_enabled() {
+                touched[i] = true;
+                end
+            } else {
+                touched[i] = true;
+                restore(&mut self.world.bodies[robot], start);
+                start
+            };
+            self.scratch.pushes_m.push(place - target);
+            (x_m[i], y_m[i]) = (place.x, place.y);
+        }
+    }
+}
+
+/// The direction in which the contacts of the last step pushed a robot, friction left out; zero
+/// without contact.
+fn contact_normal(world: &PhysicsWorld, robot: RigidBodyHandle) -> Vector {
+    let mut impulse = Vector::ZERO;
+    for &disc in world.bodies[robot].colliders() {
+        for pair in world.narrow_phase.contact_pairs_with(disc) {
+            // What the second collider feels; the first feels the opposite.
+            let of_pair = pair.total_impulse();
+            impulse += if pair.collider2 == disc {
+                of_pair
+            } else {
+                -of_pair
+            };
+        }
+    }
+    impulse.normalize_or_zero()
+}
+
+/// Puts a body back that went too far, or that rapier disabled because it was no longer finite.
+fn restore(body: &mut RigidBody, place: Vector) {
+    body.set_enabled(true);
+    body.set_translation(place, false);
+    body.set_linvel(Vector::ZERO, false);
+}
+
+#[cfg(test)]
+mod tests;

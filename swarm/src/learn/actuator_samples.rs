@@ -1,0 +1,110 @@
+//! The wheel commands that each action stands for: a bounded uniform sample of each cluster's.
+
+use serde::{Deserialize, Serialize};
+
+use super::centres::Centres;
+use crate::random::{Stream, below};
+
+/// For each actuator cluster at most `cap` of the commands that fell in it, equally likely.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ActuatorSamples {
+    cap: u32,
+    /// Commands offered to each cluster.
+    offered: Vec<u64>,
+    /// `cap` commands a cluster; the first is the centre until one was offered.
+    commands: Vec<[f32; 2]>,
+    stream: Stream,
+}
+
+impl ActuatorSamples {
+    /// Empty samples of the clusters with these centres; `cap` at least one.
+    pub fn new(centres: &Centres<2>, cap: u32, stream: Stream) -> Self {
+        let cap = cap.max(1);
+        let repeated = centres
+            .iter()
+            .flat_map(|centre| (0..cap).map(move |_| centre));
+        Self {
+            cap,
+            offered: vec![0; centres.len() as usize],
+            commands: repeated.collect(),
+            stream,
+        }
+    }
+
+    /// Offers a command that fell in a cluster (Algorithm R, J. Vitter 1985).
+    #[inline(always)]
+    pub fn offer(&mut self, cluster: u32, command: [f32; 2]) {
+        let offered = &mut self.offered[cluster as usize];
+        let place = if *offered < u64::from(self.cap) {
+            *offered
+        } else {
+            self.stream.below(*offered + 1)
+        };
+        *offered += 1;
+        if place < u64::from(self.cap) {
+            self.commands[cluster as usize * self.cap as usize + place as usize] = command;
+        }
+    }
+
+    /// A command of the cluster's sample, chosen by 32 uniform bits; its centre when it is empty.
+    #[inline(always)]
+    pub fn draw(&self, cluster: u32, bits: u32) -> [f32; 2] {
+        let held = self.offered[cluster as usize].clamp(1, u64::from(self.cap)) as u32;
+        self.commands[cluster as usize * self.cap as usize + below(bits, held) as usize]
+    }
+
+    /// Bytes held, exactly counted.
+    pub fn bytes(&self) -> usize {
+        size_of::<Self>()
+            + self.offered.len() * size_of::<u64>()
+            + self.commands.len() * size_of::<[f32; 2]>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn an_empty_sample_gives_the_centre() {
+        let centres = Centres::from_points(&[[0.25, -0.5], [1.0, 0.0]]);
+        let mut samples = ActuatorSamples::new(&centres, 4, Stream::new(1));
+        samples.offer(1, [0.75, 0.0]);
+        for bits in [0, 1 << 31, u32::MAX] {
+            assert_eq!(samples.draw(0, bits), [0.25, -0.5]);
+            assert_eq!(samples.draw(1, bits), [0.75, 0.0]);
+        }
+    }
+
+    #[test]
+    fn every_command_is_as_likely_to_be_kept_and_drawn() {
+        let centres = Centres::from_points(&[[0.0; 2], [0.0; 2]]);
+        let mut bits = Stream::new(99);
+        let mut drawn = [0_i32; 50];
+        for round in 0..50_000 {
+            let mut samples = ActuatorSamples::new(&centres, 8, Stream::new(round));
+            for i in 0..50 {
+                samples.offer(0, [-1.0; 2]);
+                samples.offer(1, [i as f32; 2]);
+            }
+            drawn[samples.draw(1, bits.bits() as u32)[0] as usize] += 1;
+        }
+        assert!(drawn.iter().all(|n| (n - 1_000).abs() < 150), "{drawn:?}");
+    }
+
+    #[test]
+    fn goes_on_after_a_snapshot_as_if_never_stopped() {
+        let centres = Centres::from_points(&[[0.0; 2]]);
+        let mut straight = ActuatorSamples::new(&centres, 5, Stream::new(2));
+        (0..30).for_each(|i| straight.offer(0, [i as f32; 2]));
+        let bytes = postcard::to_stdvec(&straight).unwrap();
+        let mut restored: ActuatorSamples = postcard::from_bytes(&bytes).unwrap();
+        assert_eq!(restored, straight);
+        for i in 0..100 {
+            straight.offer(0, [i as f32, 1.0]);
+            restored.offer(0, [i as f32, 1.0]);
+        }
+        assert_eq!(restored, straight);
+    }
+}

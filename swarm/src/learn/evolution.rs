@@ -1,0 +1,244 @@
+//! The (1+1)-ES of phase 1 with the one-fifth rule and restarts (chapter 2, section 5.2.5).
+
+use serde::{Deserialize, Serialize};
+
+use super::perceptron::WEIGHTS;
+use crate::random::Stream;
+use crate::spec::ControllerParameters;
+
+/// A genome with the fitness that it was told.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Evaluated {
+    /// Weights, in the order of [`super::perceptron::Perceptron::load`].
+    pub genome: Vec<f32>,
+    /// What the objective gave it.
+    pub fitness: f64,
+}
+
+/// A parent and its mutated child: ask for the [`Self::candidate`], evaluate it, [`Self::tell`].
+///
+/// Decided where the thesis is silent:
+/// - a fresh parent is evaluated itself before it is mutated, and never again;
+/// - a success is a child strictly better than its parent, and only then replaces it: with equal
+///   fitness, as among robots that stand still, there is no sign of progress to keep;
+/// - the one-fifth rule is applied once every `success_window` children, then the count begins
+///   anew; exactly a fifth leaves sigma as it is;
+/// - after `restart_after` children in a row without success the next candidate is a fresh parent,
+///   with the initial sigma and an empty window.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Evolution {
+    stream: Stream,
+    initial_deviation: f64,
+    initial_sigma: f64,
+    sigma_factor: f64,
+    success_window: u32,
+    restart_after: u32,
+    /// `None` while the candidate is a fresh parent.
+    parent: Option<Evaluated>,
+    candidate: Vec<f32>,
+    sigma: f64,
+    window_children: u32,
+    window_successes: u32,
+    without_success: u32,
+    best: Option<Evaluated>,
+}
+
+impl Evolution {
+    /// A fresh parent, to be evaluated first.
+    pub fn new(parameters: &ControllerParameters, stream: Stream) -> Self {
+        let mut evolution = Self {
+            stream,
+            initial_deviation: libm::sqrt(parameters.initial_weight_variance),
+            initial_sigma: parameters.sigma,
+            sigma_factor: parameters.sigma_factor,
+            success_window: parameters.success_window,
+            restart_after: parameters.restart_after,
+            parent: None,
+            candidate: vec![0.0; WEIGHTS],
+            sigma: parameters.sigma,
+            window_children: 0,
+            window_successes: 0,
+            without_success: 0,
+            best: None,
+        };
+        evolution.begin();
+        evolution
+    }
+
+    /// The genome to evaluate next: [`WEIGHTS`] weights.
+    pub fn candidate(&self) -> &[f32] {
+        &self.candidate
+    }
+
+    /// The best genome so far over all restarts, the earliest of equals.
+    pub fn best(&self) -> Option<&Evaluated> {
+        self.best.as_ref()
+    }
+
+    /// The current mutation step.
+    pub fn sigma(&self) -> f64 {
+        self.sigma
+    }
+
+    /// Takes the fitness (finite, larger is better) of the candidate and makes the next one.
+    pub fn tell(&mut self, fitness: f64) {
+        debug_assert!(fitness.is_finite(), "fitness {fitness}");
+        let told = |genome: &[f32]| Evaluated {
+            genome: genome.to_vec(),
+            fitness,
+        };
+        if self.best.as_ref().is_none_or(|best| fitness > best.fitness) {
+            self.best = Some(told(&self.candidate));
+        }
+        match &self.parent {
+            None => self.parent = Some(told(&self.candidate)),
+            Some(parent) => {
+                let success = fitness > parent.fitness;
+                if success {
+                    self.parent = Some(told(&self.candidate));
+                }
+                self.adapt(success);
+            }
+        }
+        if self.without_success >= self.restart_after {
+            self.begin();
+        } else {
+            self.mutate();
+        }
+    }
+
+    fn adapt(&mut self, success: bool) {
+        self.without_success = if success { 0 } else { self.without_success + 1 };
+        self.window_children += 1;
+        self.window_successes += u32::from(success);
+        if self.window_children < self.success_window {
+            return;
+        }
+        match (5 * u64::from(self.window_successes)).cmp(&u64::from(self.window_children)) {
+            std::cmp::Ordering::Greater => self.sigma *= self.sigma_factor,
+            std::cmp::Ordering::Less => self.sigma /= self.sigma_factor,
+            std::cmp::Ordering::Equal => {}
+        }
+        self.window_children = 0;
+        self.window_successes = 0;
+    }
+
+    fn begin(&mut self) {
+        self.parent = None;
+        self.sigma = self.initial_sigma;
+        self.window_children = 0;
+        self.window_successes = 0;
+        self.without_success = 0;
+        for weight in &mut self.candidate {
+            *weight = (self.initial_deviation * self.stream.normal()) as f32;
+        }
+    }
+
+    fn mutate(&mut self) {
+        if let Some(parent) = &self.parent {
+            for (weight, of_parent) in self.candidate.iter_mut().zip(&parent.genome) {
+                *weight = (f64::from(*of_parent) + self.sigma * self.stream.normal()) as f32;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    fn evolution(change: impl FnOnce(&mut ControllerParameters)) -> Evolution {
+        let mut parameters = ControllerParameters::default();
+        change(&mut parameters);
+        Evolution::new(&parameters, Stream::new(11))
+    }
+
+    fn spread(values: impl Iterator<Item = f64>) -> f64 {
+        let squares: Vec<f64> = values.map(|v| v * v).collect();
+        libm::sqrt(squares.iter().sum::<f64>() / squares.len() as f64)
+    }
+
+    #[test]
+    fn fresh_parents_and_children_have_their_spread() {
+        let mut evolution = evolution(|_| {});
+        let parent = evolution.candidate().to_vec();
+        assert_eq!(parent.len(), WEIGHTS);
+        assert!((spread(parent.iter().map(|w| f64::from(*w))) - libm::sqrt(0.1)).abs() < 0.08);
+        evolution.tell(1.0);
+        let child = evolution
+            .candidate()
+            .iter()
+            .zip(&parent)
+            .map(|(c, p)| f64::from(c - p));
+        assert!((spread(child) - 0.2).abs() < 0.05);
+    }
+
+    #[test]
+    fn the_one_fifth_rule() {
+        for (successes, sigma) in [(0, 0.2 / 1.22), (1, 0.2 / 1.22), (2, 0.2), (3, 0.2 * 1.22)] {
+            let mut evolution = evolution(|_| {});
+            let mut fitness = 0.0;
+            evolution.tell(fitness);
+            for child in 0..10 {
+                assert_eq!(evolution.sigma(), 0.2);
+                if child < successes {
+                    fitness += 1.0;
+                }
+                evolution.tell(fitness);
+            }
+            assert_eq!(evolution.sigma(), sigma, "{successes} successes");
+        }
+    }
+
+    #[test]
+    fn equal_fitness_is_no_success_and_restarts_after_thirty() {
+        let mut evolution = evolution(|_| {});
+        let first = evolution.candidate().to_vec();
+        evolution.tell(5.0);
+        for _ in 0..29 {
+            evolution.tell(5.0);
+            assert_eq!(evolution.parent.as_ref().unwrap().genome, first);
+        }
+        evolution.tell(5.0);
+        assert!(evolution.parent.is_none());
+        assert_eq!((evolution.sigma(), evolution.window_children), (0.2, 0));
+        let fresh = evolution.candidate().to_vec();
+        evolution.tell(1.0);
+        assert_eq!(evolution.parent.as_ref().unwrap().genome, fresh);
+        assert_eq!(
+            evolution.best().unwrap(),
+            &Evaluated {
+                genome: first,
+                fitness: 5.0
+            }
+        );
+    }
+
+    #[test]
+    fn climbs_a_sphere() {
+        let mut evolution = evolution(|p| p.restart_after = 1_000);
+        let sphere = |genome: &[f32]| -genome.iter().map(|w| f64::from(w * w)).sum::<f64>();
+        let start = sphere(evolution.candidate());
+        for _ in 0..4_000 {
+            let fitness = sphere(evolution.candidate());
+            evolution.tell(fitness);
+        }
+        assert!(evolution.best().unwrap().fitness > start / 100.0);
+    }
+
+    #[test]
+    fn goes_on_after_a_snapshot_as_if_never_stopped() {
+        let mut straight = evolution(|_| {});
+        for i in 0..25 {
+            straight.tell(f64::from(i % 7));
+        }
+        let bytes = postcard::to_stdvec(&straight).unwrap();
+        let mut restored: Evolution = postcard::from_bytes(&bytes).unwrap();
+        for i in 0..50 {
+            assert_eq!(restored, straight);
+            straight.tell(f64::from(i % 5));
+            restored.tell(f64::from(i % 5));
+        }
+    }
+}

@@ -1,0 +1,361 @@
+//! k-means with restarts (Alg. 3, eq. 4.4): the states and actions of the repository.
+
+use super::centres::Centres;
+use crate::random::Stream;
+use crate::spec::ControllerParameters;
+
+/// What k-means found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Clustering<const D: usize> {
+    /// The centres, ordered by their coordinates (the first counts most), so that the same
+    /// clusters have the same indices whichever restart found them.
+    pub centres: Centres<D>,
+    /// How many of the points are nearest to each centre.
+    pub counts: Vec<u32>,
+    /// Sum of the points' squared distances to their centres (eq. 4.4).
+    pub distortion: f64,
+}
+
+/// Clusters `points` around `k` centres.
+///
+/// Each of `kmeans_restarts` starts from points drawn uniformly without replacement, all of them
+/// distinct, and runs until no point changes its cluster or for `kmeans_iterations`; the least
+/// distortion is kept, the earliest of equals. Decided where Alg. 3 is silent: a cluster that loses
+/// all its points stays where it is (the distortion cannot grow); with fewer distinct points than
+/// `k` there are as many clusters as distinct points; no points give no clusters.
+pub fn kmeans<const D: usize>(
+    points: &[[f32; D]],
+    k: u32,
+    parameters: &ControllerParameters,
+    stream: &mut Stream,
+) -> Clustering<D> {
+    let mut start = || {
+        let initial = Centres::from_points(&distinct_points(points, k, stream));
+        let centres = lloyd(points, initial, parameters.kmeans_iterations);
+        (distortion(points, &centres), centres)
+    };
+    let mut best = start();
+    for _ in 1..parameters.kmeans_restarts {
+        let other = start();
+        if other.0 < best.0 {
+            best = other;
+        }
+    }
+    let mut ordered: Vec<[f32; D]> = best.1.iter().collect();
+    ordered.sort_by(|a, b| {
+        let by_coordinate = a.iter().zip(b).map(|(x, y)| x.total_cmp(y));
+        by_coordinate.fold(std::cmp::Ordering::Equal, std::cmp::Ordering::then)
+    });
+    // Counted last: ties between centres go by the new indices.
+    let centres = Centres::from_points(&ordered);
+    let mut counts = vec![0; ordered.len()];
+    for point in points {
+        counts[centres.nearest(point).0 as usize] += 1;
+    }
+    Clustering {
+        centres,
+        counts,
+        distortion: best.0,
+    }
+}
+
+/// Sum of the points' squared distances to their nearest centres (eq. 4.4).
+fn distortion<const D: usize>(points: &[[f32; D]], centres: &Centres<D>) -> f64 {
+    points
+        .iter()
+        .map(|point| f64::from(centres.nearest(point).1))
+        .sum()
+}
+
+/// At most `k` points of different value, uniformly without replacement (Fisher-Yates).
+fn distinct_points<const D: usize>(
+    points: &[[f32; D]],
+    k: u32,
+    stream: &mut Stream,
+) -> Vec<[f32; D]> {
+    let mut order: Vec<u32> = (0..points.len() as u32).collect();
+    let mut chosen: Vec<[f32; D]> = Vec::with_capacity(k as usize);
+    for drawn in 0..order.len() {
+        if chosen.len() == k as usize {
+            break;
+        }
+        let other = drawn + stream.below((order.len() - drawn) as u64) as usize;
+        order.swap(drawn, other);
+        let point = points[order[drawn] as usize];
+        if !chosen.contains(&point) {
+            chosen.push(point);
+        }
+    }
+    chosen
+}
+
+/// Lloyd's algorithm: every point to its nearest centre, every centre to the mean of its points.
+///
+/// With the bounds of G. Hamerly (2010): a point is searched for only where the movements of the
+/// centres since its last search could have changed its cluster. `SLACK` on every bound outweighs
+/// the rounding of `f32` distances, so the result is that of the plain algorithm to the bit.
+fn lloyd<const D: usize>(
+    points: &[[f32; D]],
+    mut centres: Centres<D>,
+    most_iterations: u32,
+) -> Centres<D> {
+    let mut members: Vec<Member> = points.iter().map(|p| Member::search(p, &centres)).collect();
+    for _ in 0..most_iterations {
+        let moved = move_to_means(points, &members, &mut centres);
+        if moved.largest.1 == 0.0 {
+            break;
+        }
+        for (point, member) in points.iter().zip(&mut members) {
+            member.upper += moved.by[member.cluster as usize];
+            member.lower -= moved.most_of_others(member.cluster);
+            if member.upper >= member.lower {
+                member.tighten(point, &centres);
+            }
+        }
+    }
+    centres
+}
+
+/// Relative safety of the bounds; `f32` distances of a few tens of dimensions are off by 1e-6.
+const SLACK: f64 = 1e-5;
+
+/// A point's cluster, with bounds on its distance to that centre and to every other.
+struct Member {
+    cluster: u32,
+    upper: f64,
+    lower: f64,
+}
+
+impl Member {
+    fn search<const D: usize>(point: &[f32; D], centres: &Centres<D>) -> Self {
+        let (cluster, nearest, second) = centres.nearest_two(point);
+        Self {
+            cluster,
+            upper: f64::from(nearest).sqrt() * (1.0 + SLACK),
+            lower: f64::from(second).sqrt() * (1.0 - SLACK),
+        }
+    }
+
+    /// Measures the distance to the own centre, and searches if that still could be too far.
+    fn tighten<const D: usize>(&mut self, point: &[f32; D], centres: &Centres<D>) {
+        self.upper = distance(point, &centres.centre(self.cluster)) * (1.0 + SLACK);
+        if self.upper >= self.lower {
+            *self = Self::search(point, centres);
+        }
+    }
+}
+
+fn distance<const D: usize>(a: &[f32; D], b: &[f32; D]) -> f64 {
+    let mut squared = 0.0;
+    for (a, b) in a.iter().zip(b) {
+        let difference = f64::from(*a) - f64::from(*b);
+        squared += difference * difference;
+    }
+    squared.sqrt()
+}
+
+/// How far the centres moved.
+struct Moved {
+    by: Vec<f64>,
+    /// The centre that moved most and how far.
+    largest: (u32, f64),
+    second_largest: f64,
+}
+
+impl Moved {
+    fn most_of_others(&self, cluster: u32) -> f64 {
+        if cluster == self.largest.0 {
+            self.second_largest
+        } else {
+            self.largest.1
+        }
+    }
+}
+
+/// Moves each centre to the mean of its points; one without points stays.
+fn move_to_means<const D: usize>(
+    points: &[[f32; D]],
+    members: &[Member],
+    centres: &mut Centres<D>,
+) -> Moved {
+    let mut sums = vec![([0.0_f64; D], 0_u32); centres.len() as usize];
+    for (point, member) in points.iter().zip(members) {
+        let (sum, count) = &mut sums[member.cluster as usize];
+        *count += 1;
+        for (sum, x) in sum.iter_mut().zip(point) {
+            *sum += f64::from(*x);
+        }
+    }
+    let mut moved = Moved {
+        by: vec![0.0; sums.len()],
+        largest: (0, 0.0),
+        second_largest: 0.0,
+    };
+    for (i, (sum, count)) in (0_u32..).zip(&sums) {
+        if *count == 0 {
+            continue;
+        }
+        let mean = sum.map(|s| (s / f64::from(*count)) as f32);
+        let by = distance(&centres.centre(i), &mean) * (1.0 + SLACK);
+        centres.set(i, &mean);
+        moved.by[i as usize] = by;
+        if by > moved.largest.1 {
+            moved.second_largest = moved.largest.1;
+            moved.largest = (i, by);
+        } else {
+            moved.second_largest = moved.second_largest.max(by);
+        }
+    }
+    moved
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parameters(restarts: u32, iterations: u32) -> ControllerParameters {
+        ControllerParameters {
+            kmeans_restarts: restarts,
+            kmeans_iterations: iterations,
+            ..ControllerParameters::default()
+        }
+    }
+
+    fn blobs(stream: &mut Stream) -> Vec<[f32; 2]> {
+        let middles = [[-0.7, 0.5], [0.6, 0.6], [0.0, -0.6]];
+        let noise = |stream: &mut Stream| 0.05 * stream.normal() as f32;
+        let point = |i: usize, stream: &mut Stream| middles[i % 3].map(|m| m + noise(stream));
+        (0..600).map(|i| point(i, stream)).collect()
+    }
+
+    #[test]
+    fn finds_separate_blobs_in_canonical_order() {
+        let mut stream = Stream::new(2);
+        let points = blobs(&mut stream);
+        let found = kmeans(&points, 3, &parameters(10, 100), &mut stream);
+        assert_eq!(found.counts, [200, 200, 200]);
+        for (centre, want) in found
+            .centres
+            .iter()
+            .zip([[-0.7, 0.5], [0.0, -0.6], [0.6, 0.6]])
+        {
+            assert!((centre[0] - want[0]).abs() < 0.02 && (centre[1] - want[1]).abs() < 0.02);
+        }
+    }
+
+    /// Lloyd's algorithm with every point searched for every time.
+    fn plain_lloyd<const D: usize>(
+        points: &[[f32; D]],
+        mut centres: Vec<[f32; D]>,
+        most_iterations: u32,
+    ) -> Vec<[f32; D]> {
+        let mut before = Vec::new();
+        for _ in 0..most_iterations {
+            let searched = Centres::from_points(&centres);
+            let clusters: Vec<u32> = points.iter().map(|p| searched.nearest(p).0).collect();
+            if clusters == before {
+                break;
+            }
+            for (i, centre) in centres.iter_mut().enumerate() {
+                let (mut sum, mut count) = ([0.0; D], 0);
+                for (point, _) in points
+                    .iter()
+                    .zip(&clusters)
+                    .filter(|(_, c)| **c == i as u32)
+                {
+                    count += 1;
+                    (0..D).for_each(|d| sum[d] += f64::from(point[d]));
+                }
+                if count > 0 {
+                    *centre = sum.map(|s| (s / f64::from(count)) as f32);
+                }
+            }
+            before = clusters;
+        }
+        centres
+    }
+
+    #[test]
+    fn bounds_change_nothing() {
+        let mut stream = Stream::new(6);
+        let mut check = |points: &[[f32; 8]], k: usize| {
+            for iterations in [0, 1, 5, 200] {
+                let initial = distinct_points(points, k as u32, &mut stream);
+                let got = lloyd(points, Centres::from_points(&initial), iterations);
+                let want = plain_lloyd(points, initial, iterations);
+                assert_eq!(got, Centres::from_points(&want));
+            }
+        };
+        let mut values = Stream::new(7);
+        let mut random = |grid: f64| -> [f32; 8] {
+            std::array::from_fn(|_| (libm::round(values.uniform() * grid) / grid) as f32)
+        };
+        let spread: Vec<_> = (0..3_000).map(|_| random(1e6)).collect();
+        // Many equal points and equal distances.
+        let coarse: Vec<_> = (0..3_000).map(|_| random(1.0)).collect();
+        for k in [1, 2, 12, 28] {
+            check(&spread, k);
+            check(&coarse, k);
+        }
+    }
+
+    #[test]
+    fn counts_and_distortion_are_of_the_centres_returned() {
+        let mut stream = Stream::new(6);
+        let points = blobs(&mut stream);
+        let found = kmeans(&points, 12, &parameters(3, 7), &mut stream);
+        let (mut counts, mut sum) = (vec![0; 12], 0.0);
+        for point in &points {
+            let (nearest, squared) = found.centres.nearest(point);
+            counts[nearest as usize] += 1;
+            sum += f64::from(squared);
+        }
+        assert_eq!((found.counts, found.distortion), (counts, sum));
+        let first: Vec<f32> = found.centres.iter().map(|c| c[0]).collect();
+        assert!(first.is_sorted());
+    }
+
+    #[test]
+    fn more_restarts_and_iterations_never_hurt() {
+        let points = blobs(&mut Stream::new(5));
+        let distortion = |restarts, iterations| {
+            kmeans(
+                &points,
+                9,
+                &parameters(restarts, iterations),
+                &mut Stream::new(1),
+            )
+            .distortion
+        };
+        assert!(distortion(1, 2) <= distortion(1, 1));
+        assert!(distortion(1, 100) <= distortion(1, 2));
+        assert!(distortion(8, 100) <= distortion(1, 100));
+    }
+
+    #[test]
+    fn shrinks_to_the_distinct_points() {
+        let mut points = vec![[0.5, 0.5]; 90];
+        points.extend([[0.0, 1.0]; 10]);
+        let found = kmeans(&points, 7, &parameters(5, 100), &mut Stream::new(1));
+        assert_eq!(
+            found.centres,
+            Centres::from_points(&[[0.0, 1.0], [0.5, 0.5]])
+        );
+        assert_eq!((found.counts, found.distortion), (vec![10, 90], 0.0));
+        let none = kmeans::<2>(&[], 7, &parameters(5, 100), &mut Stream::new(1));
+        assert!(none.centres.is_empty() && none.counts.is_empty());
+    }
+
+    #[test]
+    fn initial_points_are_uniform_and_distinct() {
+        let points = [[0.0], [1.0], [1.0], [2.0]];
+        let mut stream = Stream::new(3);
+        let mut first = [0; 3];
+        for _ in 0..40_000 {
+            let chosen = distinct_points(&points, 2, &mut stream);
+            assert!(chosen.len() == 2 && chosen[0] != chosen[1]);
+            first[chosen[0][0] as usize] += 1;
+        }
+        assert!((first[0] - 10_000_i32).abs() < 500 && (first[1] - 20_000_i32).abs() < 600);
+    }
+}

@@ -1,0 +1,322 @@
+//! The repository (section 4.3.2): what followed the last lambda tries of each action in each state.
+//!
+//! Entropies, scores and best actions are kept up to date, a constant number of operations a record.
+
+use std::sync::LazyLock;
+
+use serde::{Deserialize, Serialize};
+
+use crate::random::below;
+use crate::spec::{ControllerParameters, Insufficiency};
+
+/// Longest list that the table of logarithms serves; the largest allowed `lambda`.
+const MAX_LAMBDA: usize = 1_000;
+
+/// Fixed-point unit of entropy sums. Whole numbers neither drift nor depend on the order in which
+/// transitions came and went: equal counts give equal scores, and ties stay ties.
+const UNIT: f64 = 4_294_967_296.0;
+
+/// `m log m` in units of 2^-32.
+static M_LOG_M: LazyLock<[i64; MAX_LAMBDA + 1]> = LazyLock::new(|| {
+    std::array::from_fn(|m| {
+        let m = m.max(1) as f64;
+        libm::round(m * libm::log(m) * UNIT) as i64
+    })
+});
+
+/// The transition table S(i, j) with entropies Q(i, j) and scores (eq. 4.9).
+///
+/// `i` and `k` are states below `ns`, `j` actions below `na`; larger ones panic. The score of an
+/// action never tried is minus infinity: without data it is never the best.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Repository {
+    ns: u32,
+    na: u32,
+    lambda: u16,
+    alpha: f64,
+    insufficiency: Insufficiency,
+    lambda_total: u32,
+    states: Vec<State>,
+    /// Of each (i, j).
+    pairs: Vec<Pair>,
+    /// Of each (i, j): `lambda` next states, a ring.
+    lists: Vec<u16>,
+    /// Of each (i, j): n_ijk for every k.
+    counts: Vec<u16>,
+    /// Of each (i, j).
+    scores: Vec<f32>,
+    /// Of each i: the actions with a list that is not full, in order, in its first places.
+    deficient: Vec<u16>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct State {
+    /// Sum over j of n_ij.
+    recorded: u32,
+    /// Actions with a list that is not full.
+    deficient: u16,
+    best_action: u16,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Pair {
+    /// Sum over k of n_ijk log n_ijk, fixed point.
+    m_log_m: i64,
+    /// n_ij.
+    recorded: u16,
+    /// Place of the list that is written next: the oldest entry's once the list is full.
+    next: u16,
+}
+
+impl Repository {
+    /// An empty table of `ns` states and `na` actions.
+    ///
+    /// # Panics
+    /// When `ns` or `na` is 0 or above 65,535, or `lambda` is not 1 to 1,000.
+    pub fn new(ns: u32, na: u32, parameters: &ControllerParameters) -> Self {
+        let lambda = parameters.lambda as usize;
+        assert!(
+            (1..=0xFFFF).contains(&ns) && (1..=0xFFFF).contains(&na),
+            "{ns} by {na} table"
+        );
+        assert!(
+            (1..=MAX_LAMBDA).contains(&lambda),
+            "lists of length {lambda}"
+        );
+        let pairs = ns as usize * na as usize;
+        Self {
+            ns,
+            na,
+            lambda: lambda as u16,
+            alpha: parameters.alpha,
+            insufficiency: parameters.insufficiency,
+            lambda_total: parameters.lambda_total,
+            states: vec![
+                State {
+                    recorded: 0,
+                    deficient: na as u16,
+                    best_action: 0
+                };
+                ns as usize
+            ],
+            pairs: vec![Pair::default(); pairs],
+            lists: vec![0; pairs * lambda],
+            counts: vec![0; pairs * ns as usize],
+            scores: vec![f32::NEG_INFINITY; pairs],
+            deficient: (0..ns).flat_map(|_| 0..na as u16).collect(),
+        }
+    }
+
+    /// Bytes that a table of this size takes.
+    pub fn bytes_for(ns: u32, na: u32, lambda: u32) -> u64 {
+        let (ns, na) = (u64::from(ns), u64::from(na));
+        let pair = size_of::<Pair>() + size_of::<f32>() + size_of::<u16>();
+        let lists = (u64::from(lambda) + ns) * size_of::<u16>() as u64;
+        size_of::<Self>() as u64 + ns * size_of::<State>() as u64 + ns * na * (pair as u64 + lists)
+    }
+
+    /// Bytes held, exactly counted.
+    pub fn bytes(&self) -> u64 {
+        Self::bytes_for(self.ns, self.na, u32::from(self.lambda))
+    }
+
+    /// Number of states.
+    #[inline(always)]
+    pub fn states(&self) -> u32 {
+        self.ns
+    }
+
+    /// Number of actions.
+    #[inline(always)]
+    pub fn actions(&self) -> u32 {
+        self.na
+    }
+
+    /// Takes in that action `j` in state `i` led to state `k`; the oldest entry of a full list goes.
+    #[inline(always)]
+    pub fn record(&mut self, i: u32, j: u32, k: u32) {
+        let at = self.at(i, j);
+        let (lambda, ns) = (usize::from(self.lambda), self.ns as usize);
+        let pair = &mut self.pairs[at];
+        let place = &mut self.lists[at * lambda..][..lambda][usize::from(pair.next)];
+        let counts = &mut self.counts[at * ns..][..ns];
+        let oldest = *place;
+        *place = k as u16;
+        pair.next = if pair.next + 1 == self.lambda {
+            0
+        } else {
+            pair.next + 1
+        };
+        let filled = if pair.recorded == self.lambda {
+            if u32::from(oldest) == k {
+                return;
+            }
+            let count = &mut counts[usize::from(oldest)];
+            *count -= 1;
+            pair.m_log_m -= log_step(*count);
+            false
+        } else {
+            pair.recorded += 1;
+            self.states[i as usize].recorded += 1;
+            pair.recorded == self.lambda
+        };
+        let count = &mut counts[k as usize];
+        pair.m_log_m += log_step(*count);
+        *count += 1;
+        let score = score(self.alpha, *pair, counts[i as usize]);
+        if filled {
+            self.no_longer_deficient(i, j);
+        }
+        self.set_score(i, j, score);
+    }
+
+    /// The action with the highest score (eq. 4.9), the lowest index on ties.
+    #[inline(always)]
+    pub fn best_action(&self, i: u32) -> u32 {
+        u32::from(self.states[i as usize].best_action)
+    }
+
+    /// Whether too little is known of a state to exploit it, by the rule of the parameters.
+    #[inline(always)]
+    pub fn is_insufficient(&self, i: u32) -> bool {
+        let state = &self.states[i as usize];
+        match self.insufficiency {
+            Insufficiency::EveryAction => state.deficient > 0,
+            Insufficiency::StateTotal => state.recorded < self.lambda_total,
+        }
+    }
+
+    /// A random action for a state that is insufficient, from 32 uniform bits.
+    ///
+    /// `every-action`: uniform over the actions tried fewer than lambda times (over all actions
+    /// when there are none). `state-total`: uniform over all actions.
+    #[inline(always)]
+    pub fn deficient_action(&self, i: u32, bits: u32) -> u32 {
+        let deficient = u32::from(self.states[i as usize].deficient);
+        match self.insufficiency {
+            Insufficiency::EveryAction if deficient > 0 => {
+                u32::from(self.deficient[self.at(i, below(bits, deficient))])
+            }
+            _ => below(bits, self.na),
+        }
+    }
+
+    /// n_ij: entries of the list S(i, j).
+    #[inline(always)]
+    pub fn count(&self, i: u32, j: u32) -> u32 {
+        u32::from(self.pairs[self.at(i, j)].recorded)
+    }
+
+    /// Sum over j of n_ij.
+    #[inline(always)]
+    pub fn state_count(&self, i: u32) -> u32 {
+        self.states[i as usize].recorded
+    }
+
+    /// n_ijk for every k.
+    #[inline(always)]
+    pub fn transition_counts(&self, i: u32, j: u32) -> &[u16] {
+        &self.counts[self.at(i, j) * self.ns as usize..][..self.ns as usize]
+    }
+
+    /// The list S(i, j), oldest entry first.
+    pub fn list(&self, i: u32, j: u32) -> impl Iterator<Item = u32> {
+        let at = self.at(i, j);
+        let (pair, lambda) = (self.pairs[at], usize::from(self.lambda));
+        let ring = &self.lists[at * lambda..][..lambda];
+        // A list that is not full begins at its place 0, where `next` has not yet come by again.
+        let first = if pair.recorded == self.lambda {
+            usize::from(pair.next)
+        } else {
+            0
+        };
+        let entries = ring[first..].iter().chain(&ring[..first]);
+        entries
+            .take(usize::from(pair.recorded))
+            .map(|k| u32::from(*k))
+    }
+
+    /// Score of action `j` in state `i` (eq. 4.9); minus infinity when it was never tried.
+    #[inline(always)]
+    pub fn score(&self, i: u32, j: u32) -> f32 {
+        self.scores[self.at(i, j)]
+    }
+
+    /// Q(i, j): entropy of the list S(i, j) in nats; 0 when it is empty.
+    pub fn entropy(&self, i: u32, j: u32) -> f64 {
+        let pair = &self.pairs[self.at(i, j)];
+        entropy_sum(pair) / f64::from(pair.recorded.max(1))
+    }
+
+    #[inline(always)]
+    fn at(&self, i: u32, j: u32) -> usize {
+        debug_assert!(i < self.ns && j < self.na, "state {i}, action {j}");
+        i as usize * self.na as usize + j as usize
+    }
+
+    /// Puts a score in its place and keeps the state's best action.
+    #[inline(always)]
+    fn set_score(&mut self, i: u32, j: u32, score: f32) {
+        let na = self.na as usize;
+        let row = &mut self.scores[i as usize * na..][..na];
+        let best = &mut self.states[i as usize].best_action;
+        let (j, old_best) = (j as usize, usize::from(*best));
+        let before = std::mem::replace(&mut row[j], score);
+        if j != old_best {
+            let highest = row[old_best];
+            if score > highest || (score == highest && j < old_best) {
+                *best = j as u16;
+            }
+        } else if score < before {
+            *best = first_maximum(row) as u16;
+        }
+    }
+
+    /// Takes an action out of its state's deficient ones; happens once for each action.
+    #[cold]
+    fn no_longer_deficient(&mut self, i: u32, j: u32) {
+        let na = self.na as usize;
+        let deficient = &mut self.states[i as usize].deficient;
+        let actions = &mut self.deficient[i as usize * na..][..usize::from(*deficient)];
+        if let Ok(place) = actions.binary_search(&(j as u16)) {
+            actions.copy_within(place + 1.., place);
+            *deficient -= 1;
+        }
+    }
+}
+
+/// What one more entry adds to the sum of m log m where there were `count`.
+#[inline(always)]
+fn log_step(count: u16) -> i64 {
+    M_LOG_M[usize::from(count) + 1] - M_LOG_M[usize::from(count)]
+}
+
+/// n_ij Q(i, j) in nats: n log n less the sum of m log m.
+#[inline(always)]
+fn entropy_sum(pair: &Pair) -> f64 {
+    (M_LOG_M[usize::from(pair.recorded)] - pair.m_log_m) as f64 * (1.0 / UNIT)
+}
+
+/// Eq. 4.9 with both terms over n_ij; `stayed` is n_iji.
+#[inline(always)]
+fn score(alpha: f64, pair: Pair, stayed: u16) -> f32 {
+    let left = f64::from(pair.recorded - stayed);
+    let sum = (1.0 - alpha) * entropy_sum(&pair) + alpha * left;
+    (sum / f64::from(pair.recorded)) as f32
+}
+
+/// Index of the highest score, the lowest on ties.
+#[inline(always)]
+fn first_maximum(scores: &[f32]) -> usize {
+    let mut best = 0;
+    for (j, score) in scores.iter().enumerate() {
+        if *score > scores[best] {
+            best = j;
+        }
+    }
+    best
+}
+
+#[cfg(test)]
+#[path = "repository_tests.rs"]
+mod tests;

@@ -1,0 +1,21 @@
+//! The simulation: robots, physics, sensing, the Ev-ITER learner, worlds, runs and snapshots.
+//!
+//! Nothing here knows of files, clocks, threads or HTTP. A [`run::Run`] is a state machine that is
+//! stepped, saved and restored; the same spec and seed give the same bits on every machine.
+
+pub mod drive;
+pub mod engine;
+pub mod lanes;
+pub mod learn;
+pub mod noise;
+pub mod parameters;
+pub mod pilot;
+pub mod pilots;
+pub mod placement;
+pub mod random;
+pub mod robot;
+pub mod run;
+pub mod sense;
+pub mod spec;
+mod validate;
+pub mod world;

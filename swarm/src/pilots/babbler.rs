@@ -1,0 +1,44 @@
+//! Random commands from which `im` takes its clusters, before its own exploration begins.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Brownian, Scaling, Watch};
+use crate::lanes::F8;
+use crate::pilot::Pilot;
+
+/// Draws commands afresh and watches what they bring.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Babbler {
+    brownian: Brownian,
+    scaling: Scaling,
+    watch: Watch,
+}
+
+impl Babbler {
+    /// A robot that has seen nothing.
+    pub fn new(brownian: Brownian, scaling: Scaling, watch: Watch) -> Self {
+        Self { brownian, scaling, watch }
+    }
+
+    /// Bytes held, exactly counted.
+    pub fn bytes(&self) -> usize {
+        size_of::<Self>() + self.watch.bytes()
+    }
+
+    /// What it saw.
+    pub fn finish(self) -> Watch {
+        self.watch
+    }
+}
+
+impl Pilot for Babbler {
+    #[inline(always)]
+    fn act(&mut self, step: u64, raw: &F8) -> [f32; 2] {
+        let command = self.brownian.command(step);
+        self.watch.observe(&self.scaling.apply(raw), command);
+        command
+    }
+
+    #[inline(always)]
+    fn learn(&mut self, _raw: &F8) {}
+}

@@ -1,0 +1,80 @@
+//! Phase 2: every trajectory of phase 1 happens again, now read through the final clusters into the
+//! repository. Noise is a function of robot and step, so a trajectory needs no storage: its genome
+//! and the arena give it back to the bit.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Explorer, Scaling};
+use crate::lanes::F8;
+use crate::learn::perceptron::{Perceptron, WEIGHTS};
+use crate::pilot::Pilot;
+
+/// A robot in phase 2.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Replayer {
+    slope: f64,
+    scaling: Scaling,
+    perceptron: Perceptron,
+    archive: Vec<f32>,
+    /// Genome of the archive that drives.
+    place: u32,
+    /// The phase-3 learner that is being filled.
+    explorer: Explorer,
+}
+
+impl Replayer {
+    /// A robot about to replay an archive of genomes into an explorer's repository.
+    pub fn new(slope: f64, scaling: Scaling, archive: Vec<f32>, explorer: Explorer) -> Self {
+        let mut replayer =
+            Self { slope, scaling, perceptron: Perceptron::new(), archive, place: 0, explorer };
+        replayer.load();
+        replayer
+    }
+
+    fn load(&mut self) {
+        let genome = self.archive.get(self.place as usize * WEIGHTS..);
+        if let Some(genome) = genome.and_then(|rest| rest.get(..WEIGHTS)) {
+            self.perceptron.load(genome, self.slope);
+        }
+    }
+
+    /// Starts a trajectory from the sensors read at its beginning.
+    pub fn begin_trajectory(&mut self, raw: &F8) {
+        self.explorer.begin_trajectory(raw);
+    }
+
+    /// Ends a trajectory and takes the next genome.
+    pub fn end_trajectory(&mut self) {
+        self.place += 1;
+        self.load();
+    }
+
+    /// The filled learner.
+    pub fn finish(self) -> Explorer {
+        self.explorer
+    }
+
+    /// The learner as it stands.
+    pub fn explorer(&self) -> &Explorer {
+        &self.explorer
+    }
+
+    /// Bytes held, exactly counted.
+    pub fn bytes(&self) -> usize {
+        size_of::<Self>() + size_of_val(&self.archive[..]) + self.explorer.bytes()
+    }
+}
+
+impl Pilot for Replayer {
+    #[inline(always)]
+    fn act(&mut self, _step: u64, raw: &F8) -> [f32; 2] {
+        let command = self.perceptron.act(&self.scaling.apply(raw));
+        self.explorer.watch_action(command);
+        command
+    }
+
+    #[inline(always)]
+    fn learn(&mut self, raw: &F8) {
+        self.explorer.arrive(raw);
+    }
+}

@@ -1,0 +1,182 @@
+//! Start poses: from the arena, on a grid around its first start, or at random, never overlapping.
+
+use arenas::index::WallIndex;
+use arenas::{Arena, Pose};
+
+use crate::random::{Purpose, Site, Stream, stream_key};
+use crate::robot::RobotModel;
+use crate::spec::{FieldError, Placement};
+use crate::world::StartPose;
+
+/// Room between two bodies, and between a body and a wall, at the start, metres.
+const ROOM_M: f64 = 1e-3;
+
+/// Attempts a robot before random placement gives up.
+const ATTEMPTS: u32 = 2_000;
+
+fn start_pose(x_m: f64, y_m: f64, heading_rad: f64) -> StartPose {
+    StartPose {
+        x_m: x_m as f32,
+        y_m: y_m as f32,
+        cos: libm::cos(heading_rad) as f32,
+        sin: libm::sin(heading_rad) as f32,
+    }
+}
+
+fn refuse(message: String, allowed: String) -> FieldError {
+    FieldError { pointer: "/robots".into(), message, allowed }
+}
+
+/// The start poses of `robots` robots.
+///
+/// # Errors
+/// When they do not fit; says how many do.
+pub fn place(
+    arena: &Arena,
+    model: &RobotModel,
+    index: &WallIndex,
+    placement: Placement,
+    robots: u32,
+    seed: u64,
+    site: Site,
+) -> Result<Vec<StartPose>, FieldError> {
+    let wanted = robots as usize;
+    let poses = match placement {
+        Placement::Start => {
+            let poses = arena.starts();
+            if poses.len() < wanted {
+                return Err(refuse(
+                    format!("the arena has {} start poses for {robots} robots", poses.len()),
+                    format!(
+                        "at most {} robots with placement `start`, or placement `grid` or `random`",
+                        poses.len()
+                    ),
+                ));
+            }
+            if let Some((a, b)) = overlapping(&poses[..wanted], model.parameters.body_radius_m) {
+                return Err(refuse(
+                    format!("the robots of start poses {a} and {b} would overlap"),
+                    "start poses at least two body radii apart".into(),
+                ));
+            }
+            poses[..wanted].iter().map(|p| start_pose(p.x_m, p.y_m, p.heading_rad)).collect()
+        }
+        Placement::Grid => grid(arena, model, index, wanted),
+        Placement::Random => random(arena, model, index, wanted, seed, site),
+    };
+    if poses.len() < wanted {
+        return Err(refuse(
+            format!("{robots} robots do not fit into the arena"),
+            format!("at most {} robots with placement `{}`", poses.len(), placement.name()),
+        ));
+    }
+    Ok(poses)
+}
+
+/// Two start poses nearer to each other than two body radii, if any (sweep along x).
+fn overlapping(poses: &[Pose], radius_m: f64) -> Option<(usize, usize)> {
+    let apart = 2.0 * radius_m;
+    let mut order: Vec<usize> = (0..poses.len()).collect();
+    order.sort_by(|&a, &b| poses[a].x_m.total_cmp(&poses[b].x_m).then(a.cmp(&b)));
+    for (place, &a) in order.iter().enumerate() {
+        for &b in &order[place + 1..] {
+            let (dx, dy) = (poses[b].x_m - poses[a].x_m, poses[b].y_m - poses[a].y_m);
+            if dx >= apart {
+                break;
+            }
+            if dx * dx + dy * dy < apart * apart {
+                return Some((a.min(b), a.max(b)));
+            }
+        }
+    }
+    None
+}
+
+fn is_free(index: &WallIndex, x_m: f64, y_m: f64, room_m: f64) -> bool {
+    let (x, y) = (x_m as f32, y_m as f32);
+    index
+        .touchable(x, y)
+        .iter()
+        .all(|&number| index.wall(number).nearest(x, y).2 >= (room_m * room_m) as f32)
+}
+
+/// Grid points around the first start that the body fits on, ring by ring.
+fn grid(arena: &Arena, model: &RobotModel, index: &WallIndex, wanted: usize) -> Vec<StartPose> {
+    let Some(Pose { x_m: x0, y_m: y0, heading_rad }) = arena.starts().first().copied() else {
+        return Vec::new();
+    };
+    let radius = model.parameters.body_radius_m;
+    let pitch = 2.0 * radius + 2.0 * ROOM_M;
+    let last_ring = (arena.width_m().max(arena.height_m()) / pitch) as i64 + 1;
+    let mut poses = Vec::with_capacity(wanted);
+    for ring in 0..=last_ring {
+        for row in -ring..=ring {
+            let step = if row.abs() == ring { 1 } else { (2 * ring).max(1) };
+            for column in (-ring..=ring).step_by(step as usize) {
+                let (x, y) = (x0 + column as f64 * pitch, y0 + row as f64 * pitch);
+                let inside = x > radius
+                    && y > radius
+                    && x < arena.width_m() - radius
+                    && y < arena.height_m() - radius;
+                if inside && (ring == 0 || is_free(index, x, y, radius + ROOM_M)) {
+                    poses.push(start_pose(x, y, heading_rad));
+                    if poses.len() == wanted {
+                        return poses;
+                    }
+                }
+            }
+        }
+    }
+    poses
+}
+
+/// Uniformly random poses by rejection, against walls and against those already placed.
+fn random(
+    arena: &Arena,
+    model: &RobotModel,
+    index: &WallIndex,
+    wanted: usize,
+    seed: u64,
+    site: Site,
+) -> Vec<StartPose> {
+    let radius = model.parameters.body_radius_m;
+    let apart = 2.0 * radius + ROOM_M;
+    let (width, height) = (arena.width_m(), arena.height_m());
+    let (columns, rows) = ((width / apart) as usize + 1, (height / apart) as usize + 1);
+    // One body at most has its centre in a cell of side `apart / sqrt 2`; two do in larger ones, so
+    // each cell holds a short list.
+    let mut cells: Vec<Vec<(f64, f64)>> = vec![Vec::new(); columns * rows];
+    let mut stream = Stream::new(stream_key(seed, site, 0, Purpose::Placement));
+    let mut poses = Vec::with_capacity(wanted);
+    while poses.len() < wanted {
+        let mut placed = false;
+        for _ in 0..ATTEMPTS {
+            let (x, y) = (stream.uniform() * width, stream.uniform() * height);
+            let heading = stream.uniform() * std::f64::consts::TAU;
+            let (column, row) = ((x / apart) as usize, (y / apart) as usize);
+            let inside = x > radius + ROOM_M
+                && y > radius + ROOM_M
+                && x < width - radius - ROOM_M
+                && y < height - radius - ROOM_M;
+            let clear = inside
+                && is_free(index, x, y, radius + ROOM_M)
+                && (row.saturating_sub(1)..=(row + 1).min(rows - 1)).all(|r| {
+                    (column.saturating_sub(1)..=(column + 1).min(columns - 1)).all(|c| {
+                        cells[r * columns + c]
+                            .iter()
+                            .all(|&(ox, oy)| (ox - x) * (ox - x) + (oy - y) * (oy - y) > apart * apart)
+                    })
+                });
+            if clear {
+                cells[row * columns + column].push((x, y));
+                poses.push(start_pose(x, y, heading));
+                placed = true;
+                break;
+            }
+        }
+        if !placed {
+            break;
+        }
+    }
+    poses
+}

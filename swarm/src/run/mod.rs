@@ -1,0 +1,336 @@
+//! A run: a spec brought to life, as a state machine stepped in blocks, saved and restored.
+
+mod learners;
+mod plan;
+mod snapshot;
+#[cfg(test)]
+mod tests;
+mod types;
+
+use std::sync::Arc;
+
+use arenas::Arena;
+use sha2::{Digest, Sha256};
+
+pub use types::{CurveRow, Outcome, Phase, Progress, RestoreError, RobotsView};
+
+use crate::placement::place;
+use crate::random::Site;
+use crate::spec::{Episodes, FieldError, RunSpec};
+use crate::world::{Backend, Ground, StartPose, World};
+use learners::Learners;
+use plan::{Stage, StageKind, stages};
+
+/// Most epochs of a run.
+pub const MAX_EPOCHS: u32 = 1_000_000;
+/// Most steps of an epoch.
+pub const MAX_STEPS_PER_EPOCH: u32 = 1_000_000;
+/// Most robots of a run.
+pub const MAX_ROBOTS: u32 = 100_000;
+
+/// A run in progress.
+pub struct Run {
+    spec: RunSpec,
+    stages: Vec<Stage>,
+    /// The target arena and, where the method trains elsewhere first, the training arena.
+    venues: Vec<Venue>,
+    place: Place,
+    learners: Learners,
+    curve: Vec<CurveRow>,
+    reachable: u32,
+    /// Sensori-motor clusters that phase 1 ended with.
+    sensori_motor_clusters: u32,
+}
+
+const TARGET: usize = 0;
+const TRAINING: usize = 1;
+
+/// An arena with its robots and what is needed to make them anew.
+struct Venue {
+    ground: Ground,
+    starts: Vec<StartPose>,
+    site: Site,
+    world: World,
+}
+
+/// How far a run is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+struct Place {
+    stage: u32,
+    /// Epochs of the stage that are complete.
+    epoch: u32,
+    /// In an epoch that shows in the target arena what was evaluated in the training arena.
+    showing: bool,
+    /// Steps of the epoch that are done.
+    step: u32,
+    /// Arena steps done in all.
+    steps: u64,
+}
+
+impl Venue {
+    fn new(spec: &RunSpec, arena: &Arc<Arena>, site: Site) -> Result<Self, FieldError> {
+        let ground = Ground::new(Arc::clone(arena), &spec.robot);
+        let (index, robot) = (&ground.index, &spec.robot);
+        let starts = place(arena, robot, index, spec.placement, spec.robots, spec.seed, site)?;
+        let world = World::new(&ground, robot, spec.engine, starts.clone(), spec.seed, site);
+        Ok(Self { ground, starts, site, world })
+    }
+
+    /// Starts over, noise and all, as if the arena had never been used.
+    fn begin_again(&mut self, spec: &RunSpec) {
+        let starts = self.starts.clone();
+        self.world =
+            World::new(&self.ground, &spec.robot, spec.engine, starts, spec.seed, self.site);
+    }
+}
+
+impl Run {
+    /// Checks the spec and sets the run up.
+    ///
+    /// # Errors
+    /// Every field of the spec that cannot be used.
+    pub fn new(spec: RunSpec) -> Result<Self, Vec<FieldError>> {
+        let errors = spec.validate();
+        if !errors.is_empty() {
+            return Err(errors);
+        }
+        let stages = stages(&spec);
+        let mut venues = vec![Venue::new(&spec, &spec.arena, Site::Target).map_err(|e| vec![e])?];
+        if stages.iter().any(|stage| stage.kind.begins_in_training())
+            && let Some(training) = &spec.controller.training
+        {
+            let venue = Venue::new(&spec, &training.arena, Site::Training).map_err(|e| {
+                vec![FieldError { message: format!("{} (training arena)", e.message), ..e }]
+            })?;
+            venues.push(venue);
+        }
+        let radius_m = spec.robot.parameters.body_radius_m;
+        let mut run = Self {
+            reachable: arenas::reachable(&spec.arena, spec.arena.starts()[0], radius_m).count,
+            learners: Learners::Idle,
+            place: Place { stage: 0, epoch: 0, showing: false, step: 0, steps: 0 },
+            curve: Vec::new(),
+            sensori_motor_clusters: 0,
+            spec,
+            stages,
+            venues,
+        };
+        run.begin_stage();
+        Ok(run)
+    }
+
+    /// A run that goes on from [`Run::snapshot`], to the same bits as one never interrupted.
+    ///
+    /// # Errors
+    /// When the bytes are damaged, of another version or of another spec.
+    pub fn restore(spec: RunSpec, bytes: &[u8]) -> Result<Self, RestoreError> {
+        snapshot::restore(spec, bytes)
+    }
+
+    /// Everything needed to go on, at any step, in the middle of an epoch too. Same state, same
+    /// bytes.
+    pub fn snapshot(&self) -> Vec<u8> {
+        snapshot::save(self)
+    }
+
+    /// Steps the run on by at most `max_steps` steps of its arena (each moves every robot once).
+    pub fn advance(&mut self, max_steps: u64) -> Progress {
+        let mut left = max_steps;
+        while left > 0 && self.stage().is_some() {
+            let rest = u64::from(self.spec.steps_per_epoch - self.place.step);
+            let steps = rest.min(left);
+            let venue = self.venue();
+            self.learners.advance(&mut self.venues[venue].world, steps);
+            self.place.step += steps as u32;
+            self.place.steps += steps;
+            left -= steps;
+            if self.place.step == self.spec.steps_per_epoch {
+                self.end_epoch();
+            }
+        }
+        self.progress()
+    }
+
+    fn stage(&self) -> Option<Stage> {
+        self.stages.get(self.place.stage as usize).copied()
+    }
+
+    /// Index of the arena that robots are in.
+    fn venue(&self) -> usize {
+        let training = self.stage().is_some_and(|stage| stage.kind.begins_in_training());
+        if training && !self.place.showing { TRAINING } else { TARGET }
+    }
+
+    /// Sets learners and arena up for the stage that the run has come to.
+    fn begin_stage(&mut self) {
+        let Some(stage) = self.stage() else { return };
+        let learners = std::mem::replace(&mut self.learners, Learners::Idle);
+        if let Some(clusters) = learners.sensori_motor_clusters() {
+            self.sensori_motor_clusters = clusters;
+        }
+        self.learners = learners.begin(stage.kind, &self.spec);
+        if stage.kind == StageKind::Replay {
+            // The replay gives the trajectories of phase 1 back, so it must meet the same noise.
+            self.venues[TRAINING].begin_again(&self.spec);
+        }
+        if stage.kind.counts() {
+            self.resume_counting();
+            if self.spec.episodes == Episodes::Continue {
+                self.venues[TARGET].world.enter_squares();
+            }
+        }
+        self.begin_epoch();
+    }
+
+    /// Lets visits count where the stage says so.
+    fn resume_counting(&mut self) {
+        let counts = self.stage().is_some_and(|stage| stage.kind.counts());
+        self.venues[TARGET].world.set_counting(counts);
+    }
+
+    fn begin_epoch(&mut self) {
+        self.place.step = 0;
+        let venue = self.venue();
+        let world = &mut self.venues[venue].world;
+        if self.spec.episodes == Episodes::Reset {
+            world.reset();
+        }
+        self.learners.begin_trajectory(world.state());
+    }
+
+    fn end_epoch(&mut self) {
+        let Some(stage) = self.stage() else { return };
+        if self.place.showing {
+            self.place.showing = false;
+            self.learners.set_showing(false);
+            self.learners.next_candidates();
+        } else {
+            self.learners.end_trajectory();
+            if stage.kind == StageKind::EvolveAndShow {
+                self.place.showing = true;
+                self.learners.set_showing(true);
+                self.begin_epoch();
+                return;
+            }
+            self.learners.next_candidates();
+        }
+        self.place.epoch += 1;
+        if stage.kind.counts() {
+            self.curve.push(self.curve_row(self.place.epoch));
+        }
+        if self.place.epoch < stage.epochs {
+            self.begin_epoch();
+        } else {
+            self.place.stage += 1;
+            self.place.epoch = 0;
+            self.place.step = 0;
+            self.begin_stage();
+        }
+    }
+
+    fn curve_row(&self, epoch: u32) -> CurveRow {
+        let [p1, p2, p5, p10] = self.venues[TARGET].world.coverage();
+        CurveRow { epoch, p1, p2, p5, p10 }
+    }
+
+    /// How far the run is.
+    pub fn progress(&self) -> Progress {
+        let robots = u64::from(self.spec.robots);
+        let arena_epochs: u64 =
+            self.stages.iter().map(|s| s.kind.arena_epochs() * u64::from(s.epochs)).sum();
+        Progress {
+            phase: self.stage().map_or(Phase::Done, |stage| stage.kind.phase()),
+            epochs_done: self.curve.len() as u32,
+            epochs_total: self.spec.epochs,
+            robot_steps_done: self.place.steps * robots,
+            robot_steps_total: arena_epochs * u64::from(self.spec.steps_per_epoch) * robots,
+        }
+    }
+
+    /// What the run was made from.
+    pub fn spec(&self) -> &RunSpec {
+        &self.spec
+    }
+
+    /// One row a completed counted epoch.
+    pub fn curve(&self) -> &[CurveRow] {
+        &self.curve
+    }
+
+    /// Entries counted a square of the target arena; row 0 is the lowest y.
+    pub fn visits(&self) -> Vec<u32> {
+        self.venues[TARGET].world.visits()
+    }
+
+    /// Steps spent a square of the target arena; row 0 is the lowest y.
+    pub fn dwell(&self) -> Vec<u32> {
+        self.venues[TARGET].world.dwell()
+    }
+
+    /// Squares of the target arena that a robot of this size can reach from the first start pose.
+    pub fn reachable(&self) -> u32 {
+        self.reachable
+    }
+
+    /// Arena steps so far, all stages together: the number of the current frame.
+    pub fn step(&self) -> u64 {
+        self.place.steps
+    }
+
+    /// The arena that robots are in right now.
+    pub fn arena(&self) -> &Arc<Arena> {
+        &self.venues[self.venue()].ground.arena
+    }
+
+    /// All robots, in the arena that they are in right now.
+    pub fn robots(&self) -> RobotsView<'_> {
+        let state = self.venues[self.venue()].world.state();
+        RobotsView {
+            x_m: &state.x_m,
+            y_m: &state.y_m,
+            heading_cos: &state.cos,
+            heading_sin: &state.sin,
+            sensors: &state.sensors,
+            commands: &state.commands,
+        }
+    }
+
+    /// Bytes that robots, learners and squares hold, exactly counted.
+    pub fn bytes(&self) -> u64 {
+        let worlds: usize = self.venues.iter().map(|venue| venue.world.bytes()).sum();
+        (worlds + self.learners.bytes()) as u64
+    }
+
+    /// Steps with other instructions than the machine's best; results stay the same.
+    pub fn set_backend(&mut self, backend: Backend) {
+        for venue in &mut self.venues {
+            venue.world.set_backend(backend);
+        }
+    }
+
+    /// What the run has to say, once all epochs are done.
+    pub fn outcome(&self) -> Option<Outcome> {
+        if self.stage().is_some() {
+            return None;
+        }
+        let (sensor_clusters, actuator_clusters) = self.learners.clusters();
+        Some(Outcome {
+            coverage: self.curve_row(self.spec.epochs),
+            reachable: self.reachable,
+            robot_steps: self.progress().robot_steps_done,
+            collisions: self.venues[TARGET].world.state().collisions,
+            sensor_clusters,
+            actuator_clusters,
+            sensori_motor_clusters: self
+                .learners
+                .sensori_motor_clusters()
+                .unwrap_or(self.sensori_motor_clusters),
+            bytes: self.bytes(),
+            state_sha256: hex(&Sha256::digest(self.snapshot())),
+        })
+    }
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}

@@ -1,0 +1,122 @@
+//! A run as bytes, at any step: everything that is not derived from the spec.
+//!
+//! Layout: magic and version, SHA-256 of the rest, then `postcard` of the saved state.
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use super::learners::Learners;
+use super::{CurveRow, Place, RestoreError, Run};
+use crate::engine::Motor;
+use crate::spec::RunSpec;
+use crate::world::{World, WorldState};
+
+/// Changes whenever the layout of saved state does.
+const MAGIC: &[u8; 8] = b"evswarm1";
+
+#[derive(Serialize)]
+struct SavedRef<'a> {
+    spec: [u8; 32],
+    place: Place,
+    sensori_motor_clusters: u32,
+    curve: &'a [CurveRow],
+    learners: &'a Learners,
+    worlds: Vec<(&'a WorldState, &'a Motor)>,
+}
+
+#[derive(Deserialize)]
+struct Saved {
+    spec: [u8; 32],
+    place: Place,
+    sensori_motor_clusters: u32,
+    curve: Vec<CurveRow>,
+    learners: Learners,
+    worlds: Vec<(WorldState, Motor)>,
+}
+
+/// Tells specs apart: two that would run differently have different digests.
+fn digest(spec: &RunSpec) -> [u8; 32] {
+    let mut hash = Sha256::new();
+    let training = spec.controller.training.as_ref();
+    for part in [
+        spec.arena.content_key(),
+        training.map_or_else(Vec::new, |t| t.arena.content_key()),
+        // Debug of numbers is exact (shortest digits that read back equal).
+        format!(
+            "{:?}",
+            (
+                spec.seed,
+                spec.controller.method,
+                &spec.controller.parameters,
+                training.map(|t| t.epochs),
+                (spec.epochs, spec.steps_per_epoch, spec.robots),
+                (spec.placement, spec.episodes, spec.engine),
+                &spec.robot,
+            )
+        )
+        .into_bytes(),
+    ] {
+        hash.update((part.len() as u64).to_le_bytes());
+        hash.update(part);
+    }
+    hash.finalize().into()
+}
+
+/// The saved state of a run.
+pub(super) fn save(run: &Run) -> Vec<u8> {
+    let saved = SavedRef {
+        spec: digest(&run.spec),
+        place: run.place,
+        sensori_motor_clusters: run.sensori_motor_clusters,
+        curve: &run.curve,
+        learners: &run.learners,
+        worlds: run.venues.iter().map(|v| (v.world.state(), v.world.motor())).collect(),
+    };
+    // Serializing plain data into memory has no way to fail: no sequence is of unknown length.
+    let state = postcard::to_stdvec(&saved).expect("plain data serializes");
+    let mut bytes = Vec::with_capacity(state.len() + 40);
+    bytes.extend_from_slice(MAGIC);
+    bytes.extend_from_slice(&Sha256::digest(&state));
+    bytes.extend_from_slice(&state);
+    bytes
+}
+
+/// A run that goes on from saved state.
+pub(super) fn restore(spec: RunSpec, bytes: &[u8]) -> Result<Run, RestoreError> {
+    let unreadable = |why: &str| RestoreError::Unreadable(why.into());
+    let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| unreadable("not of this version"))?;
+    let (hash, state) = rest.split_at_checked(32).ok_or_else(|| unreadable("cut short"))?;
+    if Sha256::digest(state)[..] != *hash {
+        return Err(unreadable("its checksum does not match"));
+    }
+    let saved: Saved = postcard::from_bytes(state).map_err(|e| unreadable(&e.to_string()))?;
+    if saved.spec != digest(&spec) {
+        return Err(RestoreError::OtherSpec);
+    }
+    let mut run = Run::new(spec).map_err(RestoreError::Spec)?;
+    let misfit = || unreadable("its parts do not fit the spec");
+    if saved.worlds.len() != run.venues.len()
+        || saved.learners.len() != run.spec.robots as usize
+        || saved.place.stage as usize > run.stages.len()
+    {
+        return Err(misfit());
+    }
+    run.place = saved.place;
+    run.sensori_motor_clusters = saved.sensori_motor_clusters;
+    run.curve = saved.curve;
+    run.learners = saved.learners;
+    for (venue, (state, motor)) in run.venues.iter_mut().zip(saved.worlds) {
+        venue.world = World::restore(
+            &venue.ground,
+            &run.spec.robot,
+            state,
+            motor,
+            venue.starts.clone(),
+            run.spec.seed,
+            venue.site,
+        )
+        .ok_or_else(misfit)?;
+    }
+    run.resume_counting();
+    Ok(run)
+}

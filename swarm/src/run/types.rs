@@ -1,0 +1,106 @@
+//! What a run tells its owner.
+
+use serde::{Deserialize, Serialize};
+
+use crate::named_choice;
+use crate::spec::FieldError;
+
+named_choice! {
+    /// What a run is doing.
+    Phase {
+        /// Random commands from which `im` takes its clusters.
+        Babbling = "babbling",
+        /// Phase 1: evolution of crawlers.
+        Evolution = "evolution",
+        /// Phase 2: the archive is replayed into the repository.
+        Repository = "repository",
+        /// Phase 3, or a baseline's own epochs: visits count.
+        Exploration = "exploration",
+        /// All epochs are done.
+        Done = "done",
+    }
+}
+
+/// How far a run is. Steps are robot-steps, uncounted phases included.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Progress {
+    /// What it is doing.
+    pub phase: Phase,
+    /// Counted epochs that are complete.
+    pub epochs_done: u32,
+    /// Counted epochs in all.
+    pub epochs_total: u32,
+    /// Robot-steps done.
+    pub robot_steps_done: u64,
+    /// Robot-steps in all.
+    pub robot_steps_total: u64,
+}
+
+/// Coverage after an epoch: squares entered at least 1, 2, 5 and 10 times.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct CurveRow {
+    /// Counted epochs that are complete, from 1.
+    pub epoch: u32,
+    /// Squares entered at least once.
+    pub p1: u32,
+    /// At least twice.
+    pub p2: u32,
+    /// At least five times.
+    pub p5: u32,
+    /// At least ten times.
+    pub p10: u32,
+}
+
+/// What a finished run has to say; nothing about time or machine.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Outcome {
+    /// Coverage after the last counted epoch.
+    pub coverage: CurveRow,
+    /// Squares that a robot of this size can reach from the first start pose.
+    pub reachable: u32,
+    /// Robot-steps, uncounted phases included.
+    pub robot_steps: u64,
+    /// Robot-steps of the counted epochs that touched a wall or a robot.
+    pub collisions: u64,
+    /// Clusters of the first robot's learner; 0 where the method has none.
+    pub sensor_clusters: u32,
+    /// As above.
+    pub actuator_clusters: u32,
+    /// As above, of phase 1.
+    pub sensori_motor_clusters: u32,
+    /// Bytes that robots, learners and squares hold, exactly counted.
+    pub bytes: u64,
+    /// SHA-256 of the final snapshot, in hex.
+    pub state_sha256: String,
+}
+
+/// The state of all robots at one moment, for frames and recordings; index is the robot's number.
+pub struct RobotsView<'a> {
+    /// Metres.
+    pub x_m: &'a [f32],
+    /// Metres.
+    pub y_m: &'a [f32],
+    /// Cosine and sine of the heading.
+    pub heading_cos: &'a [f32],
+    /// Sine of the heading.
+    pub heading_sin: &'a [f32],
+    /// Raw sensor values, 0 to 4095.
+    pub sensors: &'a [[f32; 8]],
+    /// Wheel commands, left and right, -1 to 1.
+    pub commands: &'a [[f32; 2]],
+}
+
+/// A snapshot that does not fit.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum RestoreError {
+    /// It was cut short, changed, or written by another version.
+    #[error("the snapshot cannot be read: {0}")]
+    Unreadable(String),
+    /// It belongs to another spec.
+    #[error("the snapshot belongs to another spec")]
+    OtherSpec,
+    /// The spec itself is not valid.
+    #[error("the spec is not valid: {0:?}")]
+    Spec(Vec<FieldError>),
+}
+

@@ -1,0 +1,224 @@
+//! What a run is made from: every field resolved, the arenas loaded.
+
+use std::sync::Arc;
+
+use arenas::Arena;
+use serde::{Deserialize, Serialize};
+
+use crate::named_choice;
+use crate::parameter_table;
+use crate::parameters::Domain::{Choice, Real, Whole};
+
+named_choice! {
+    /// How a robot is controlled.
+    Method {
+        /// Each command uniform in the action space.
+        Brownian = "brownian",
+        /// Evolved for the entropy of sensori-motor data (eq. 4.5).
+        Curiosity = "curiosity",
+        /// Evolved for the entropy of actuator data.
+        CuriosityA = "curiosity-a",
+        /// Evolved for the differential entropy of sensori-motor data (eq. 4.6).
+        Discovery = "discovery",
+        /// Evolved for the differential entropy of actuator data.
+        DiscoveryA = "discovery-a",
+        /// Intrinsic motivation: the phase-3 controller with an empty repository.
+        Im = "im",
+        /// Ev-ITER after a phase 1 of `curiosity`.
+        EvIterC = "ev-iter-c",
+        /// Ev-ITER after a phase 1 of `discovery`.
+        EvIterD = "ev-iter-d",
+        /// Ev-ITER after a phase 1 of `curiosity-a`.
+        EvIterCa = "ev-iter-ca",
+        /// Ev-ITER after a phase 1 of `discovery-a`.
+        EvIterDa = "ev-iter-da",
+    }
+}
+
+named_choice! {
+    /// What phase 1 evolves for.
+    Objective {
+        /// Entropy of sensori-motor data (eq. 4.5).
+        Curiosity = "curiosity",
+        /// Entropy of actuator data.
+        CuriosityA = "curiosity-a",
+        /// Differential entropy of sensori-motor data (eq. 4.6).
+        Discovery = "discovery",
+        /// Differential entropy of actuator data.
+        DiscoveryA = "discovery-a",
+    }
+}
+
+impl Objective {
+    /// Whether it is computed over sensori-motor data rather than actuator data.
+    #[inline(always)]
+    pub fn over_sensori_motor(self) -> bool {
+        matches!(self, Objective::Curiosity | Objective::Discovery)
+    }
+}
+
+impl Method {
+    /// What its phase 1, or the baseline itself, evolves for; `None` where nothing evolves.
+    pub fn objective(self) -> Option<Objective> {
+        match self {
+            Method::Curiosity | Method::EvIterC => Some(Objective::Curiosity),
+            Method::CuriosityA | Method::EvIterCa => Some(Objective::CuriosityA),
+            Method::Discovery | Method::EvIterD => Some(Objective::Discovery),
+            Method::DiscoveryA | Method::EvIterDa => Some(Objective::DiscoveryA),
+            Method::Brownian | Method::Im => None,
+        }
+    }
+
+    /// Whether it is one of the evolved baselines, which evolve all along.
+    pub fn is_evolved_baseline(self) -> bool {
+        use Method::{Curiosity, CuriosityA, Discovery, DiscoveryA};
+        matches!(self, Curiosity | CuriosityA | Discovery | DiscoveryA)
+    }
+}
+
+named_choice! {
+    /// When a state's information counts as insufficient (phase 3).
+    Insufficiency {
+        /// While some action of the state was tried fewer than `lambda` times (Alg. 5).
+        EveryAction = "every-action",
+        /// While all actions of the state together were tried fewer than `lambda_total` times.
+        StateTotal = "state-total",
+    }
+}
+
+named_choice! {
+    /// Where `im` takes its clusters from.
+    StatesFrom {
+        /// From its own random commands in the target arena.
+        Babbling = "babbling",
+        /// From an evolved phase 1 in the training arena.
+        Phase1 = "phase-1",
+    }
+}
+
+named_choice! {
+    /// Interval that a raw sensor value of 0 to 4096 is mapped to.
+    SensorScale {
+        /// To `[-1, 1]`.
+        Signed = "signed",
+        /// To `[0, 1]`.
+        Unsigned = "unsigned",
+    }
+}
+
+named_choice! {
+    /// Where robots stand when an epoch starts.
+    Placement {
+        /// The arena's own start poses, in order.
+        Start = "start",
+        /// A grid around the first start pose.
+        Grid = "grid",
+        /// Uniformly at random, never overlapping.
+        Random = "random",
+    }
+}
+
+named_choice! {
+    /// What happens between two epochs.
+    Episodes {
+        /// Every robot goes back to its start pose.
+        Reset = "reset",
+        /// Every robot goes on where it stands.
+        Continue = "continue",
+    }
+}
+
+named_choice! {
+    /// Which physics moves the robots.
+    EngineKind {
+        /// Exact differential-drive arcs; discs pushed out of walls and of each other.
+        Kinematic = "kinematic",
+        /// Rigid bodies of rapier2d.
+        Rapier = "rapier",
+    }
+}
+
+parameter_table! {
+    /// Parameters of the learner (`controller` of a run spec).
+    ControllerParameters {
+        slope: f64 = 2.0, Real { min: 0.01, max: 100.0 }, "1", "Slope of the perceptron's sigmoid", "eq. 4.7";
+        initial_weight_variance: f64 = 0.1, Real { min: 0.0, max: 100.0 }, "1", "Variance of a fresh parent's weights", "section 5.2.5";
+        sigma: f64 = 0.2, Real { min: 1e-6, max: 100.0 }, "1", "Initial mutation step of the (1+1)-ES", "section 5.2.5";
+        sigma_factor: f64 = 1.22, Real { min: 1.0, max: 10.0 }, "1", "Factor of the one-fifth rule", "chapter 2";
+        success_window: u32 = 10, Whole { min: 1, max: 10_000 }, "evaluations", "Window of the one-fifth rule", "open in the thesis";
+        restart_after: u32 = 30, Whole { min: 1, max: 1_000_000 }, "evaluations", "Evaluations without improvement before a fresh parent", "section 5.2.5";
+        epsilon_sensori_motor: f64 = 1.8, Real { min: 0.05, max: 20.0 }, "1", "Radius of sensori-motor clusters", "table 5.2";
+        epsilon_actuator: f64 = 0.6, Real { min: 0.05, max: 20.0 }, "1", "Radius of actuator clusters", "table 5.2";
+        epsilon_sensor: f64 = 1.5, Real { min: 0.05, max: 20.0 }, "1", "Radius of sensor clusters (the thesis: 1)", "table 5.2, calibrated";
+        sensor_scale: SensorScale = SensorScale::Signed, Choice { names: SensorScale::NAMES }, "", "Interval that raw sensor values are mapped to", "open in the thesis";
+        max_clusters: u32 = 250, Whole { min: 2, max: 4_000 }, "clusters", "Cap of each clustering; at the cap a vector joins the nearest cluster", "bounded memory";
+        kmeans_restarts: u32 = 5, Whole { min: 1, max: 100 }, "restarts", "Independent k-means; least distortion is kept", "section 4.3.2 (P open)";
+        kmeans_iterations: u32 = 100, Whole { min: 1, max: 10_000 }, "iterations", "Most Lloyd iterations a restart", "bounded time";
+        sample: u32 = 8_192, Whole { min: 16, max: 1_000_000 }, "vectors", "Uniform sample of phase 1 that k-means runs over", "bounded memory";
+        actuator_sample: u32 = 64, Whole { min: 1, max: 65_535 }, "vectors", "Actuator vectors kept for each actuator cluster", "bounded memory";
+        lambda: u32 = 60, Whole { min: 1, max: 1_000 }, "transitions", "Length of each list S(i, j)", "table 5.2";
+        lambda_total: u32 = 500, Whole { min: 1, max: 1_000_000 }, "transitions", "Threshold of the `state-total` rule", "table 5.2";
+        insufficiency: Insufficiency = Insufficiency::EveryAction, Choice { names: Insufficiency::NAMES }, "", "When a state's information is insufficient", "Alg. 5 against section 4.3.3";
+        eta: f64 = 0.05, Real { min: 0.0, max: 1.0 }, "1", "Probability of a uniformly random action", "table 5.2";
+        alpha: f64 = 0.7, Real { min: 0.0, max: 1.0 }, "1", "Weight of leaving the state against transition entropy", "eq. 4.9";
+        action_hold_steps: u32 = 1, Whole { min: 1, max: 1_000 }, "steps", "Steps that a phase-3 action is held", "calibration";
+        states_from: StatesFrom = StatesFrom::Babbling, Choice { names: StatesFrom::NAMES }, "", "Where `im` takes its clusters from", "open in the thesis";
+        babbling_epochs: u32 = 5, Whole { min: 1, max: 100_000 }, "epochs", "Epochs of random commands before `im` clusters (not counted as visits)", "calibration";
+    }
+}
+
+/// The training part of a controller.
+#[derive(Clone, Debug)]
+pub struct Training {
+    /// Arena in which phase 1, or the evolution of a baseline, happens.
+    pub arena: Arc<Arena>,
+    /// Epochs of phase 1. Evolved baselines evolve for the run's own epochs and ignore this.
+    pub epochs: u32,
+}
+
+/// How a robot learns.
+#[derive(Clone, Debug)]
+pub struct ControllerSpec {
+    /// The method.
+    pub method: Method,
+    /// Its parameters.
+    pub parameters: ControllerParameters,
+    /// Where it trains; `None` for methods without training.
+    pub training: Option<Training>,
+}
+
+/// Everything that a run is made from. Fields are checked by [`crate::run::Run::new`].
+#[derive(Clone, Debug)]
+pub struct RunSpec {
+    /// Seed of every random stream.
+    pub seed: u64,
+    /// Target arena: where visits count.
+    pub arena: Arc<Arena>,
+    /// How the robots learn.
+    pub controller: ControllerSpec,
+    /// Counted epochs.
+    pub epochs: u32,
+    /// Control steps an epoch.
+    pub steps_per_epoch: u32,
+    /// Robots in the arena.
+    pub robots: u32,
+    /// Where they start.
+    pub placement: Placement,
+    /// What happens between epochs.
+    pub episodes: Episodes,
+    /// The robot's body, wheels and sensors.
+    pub robot: crate::robot::RobotModel,
+    /// The physics.
+    pub engine: EngineKind,
+}
+
+/// A field that cannot be used, with the JSON pointer that a user knows it by.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FieldError {
+    /// JSON pointer into the run spec.
+    pub pointer: String,
+    /// Why it was refused.
+    pub message: String,
+    /// What is allowed.
+    pub allowed: String,
+}

@@ -1,0 +1,95 @@
+//! Checks that a run spec makes a robot, arenas and methods that go together.
+
+use arenas::Arena;
+
+use crate::run::{MAX_EPOCHS, MAX_ROBOTS, MAX_STEPS_PER_EPOCH};
+use crate::spec::{FieldError, Method, RunSpec, StatesFrom};
+
+fn error(pointer: &str, message: impl Into<String>, allowed: impl Into<String>) -> FieldError {
+    FieldError { pointer: pointer.into(), message: message.into(), allowed: allowed.into() }
+}
+
+impl RunSpec {
+    /// Whether the method has a phase of training in an arena of its own.
+    pub fn needs_training(&self) -> bool {
+        match self.controller.method {
+            Method::Brownian => false,
+            Method::Im => self.controller.parameters.states_from == StatesFrom::Phase1,
+            _ => true,
+        }
+    }
+
+    /// Everything that is wrong with the spec; empty when it can run.
+    ///
+    /// Whether `robots` fit under a random placement shows only when the run is made.
+    pub fn validate(&self) -> Vec<FieldError> {
+        let mut errors = Vec::new();
+        let mut range = |pointer: &str, value: u32, max: u32| {
+            if value == 0 || value > max {
+                errors.push(error(
+                    pointer,
+                    format!("{value} is out of range"),
+                    format!("a whole number from 1 to {max}"),
+                ));
+            }
+        };
+        range("/epochs", self.epochs, MAX_EPOCHS);
+        range("/steps_per_epoch", self.steps_per_epoch, MAX_STEPS_PER_EPOCH);
+        range("/robots", self.robots, MAX_ROBOTS);
+        if let Some(training) = &self.controller.training {
+            range("/controller/train/epochs", training.epochs, MAX_EPOCHS);
+        }
+        if self.needs_training() && self.controller.training.is_none() {
+            errors.push(error(
+                "/controller/train",
+                format!("`{}` needs a training arena", self.controller.method.name()),
+                "an object with arena and epochs",
+            ));
+        }
+        self.check_robot(&mut errors);
+        self.check_arena(&self.arena, "/arena", &mut errors);
+        if let Some(training) = &self.controller.training {
+            self.check_arena(&training.arena, "/controller/train/arena", &mut errors);
+        }
+        errors
+    }
+
+    fn check_robot(&self, errors: &mut Vec<FieldError>) {
+        let p = &self.robot.parameters;
+        let (step_m, radius_m) = (self.robot.max_step_m(), p.body_radius_m);
+        if step_m > 0.5 * radius_m {
+            errors.push(error(
+                "/robot/max_wheel_speed_rad_s",
+                format!("at top speed a step covers {step_m:.4} m, too far to meet walls safely"),
+                format!(
+                    "at most half the body radius a step: {:.2} rad/s with this wheel and step_s",
+                    0.5 * radius_m / (p.wheel_radius_m * (1.0 + p.wheel_slip) * p.step_s)
+                ),
+            ));
+        }
+        let turn_rad = self.robot.max_turn_rad();
+        if turn_rad > 1.5 {
+            errors.push(error(
+                "/robot/axle_m",
+                format!("at top speed a step turns {turn_rad:.2} rad"),
+                "at most 1.5 rad a step: a wider axle, slower wheels or a shorter step_s",
+            ));
+        }
+        if self.robot.sensor_reach_m() > 2.0 {
+            errors.push(error(
+                "/robot/response",
+                format!("sensors reach {:.2} m", self.robot.sensor_reach_m()),
+                "at most 2 m",
+            ));
+        }
+    }
+
+    fn check_arena(&self, arena: &Arena, pointer: &str, errors: &mut Vec<FieldError>) {
+        let radius_m = self.robot.parameters.body_radius_m;
+        errors.extend(arena.check_starts(radius_m).into_iter().take(100).map(|e| FieldError {
+            pointer: format!("{pointer}{}", e.pointer),
+            message: e.message,
+            allowed: e.allowed,
+        }));
+    }
+}
