@@ -18,10 +18,9 @@ pub struct F8(pub [f32; LANES]);
 #[repr(C, align(32))]
 pub struct U8(pub [u32; LANES]);
 
-/// Eight truth values: all ones or all zeros.
+/// Eight truth values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[repr(C, align(32))]
-pub struct M8(pub [u32; LANES]);
+pub struct M8(pub [bool; LANES]);
 
 macro_rules! lanewise {
     ($trait:ident, $method:ident, $op:tt) => {
@@ -79,9 +78,9 @@ impl F8 {
     /// Lane by lane, `self < other`.
     #[inline(always)]
     pub fn lt(self, other: F8) -> M8 {
-        let mut out = [0; LANES];
+        let mut out = [false; LANES];
         for k in 0..LANES {
-            out[k] = if self.0[k] < other.0[k] { u32::MAX } else { 0 };
+            out[k] = self.0[k] < other.0[k];
         }
         M8(out)
     }
@@ -89,9 +88,9 @@ impl F8 {
     /// Lane by lane, `self <= other`.
     #[inline(always)]
     pub fn le(self, other: F8) -> M8 {
-        let mut out = [0; LANES];
+        let mut out = [false; LANES];
         for k in 0..LANES {
-            out[k] = if self.0[k] <= other.0[k] { u32::MAX } else { 0 };
+            out[k] = self.0[k] <= other.0[k];
         }
         M8(out)
     }
@@ -119,7 +118,7 @@ impl M8 {
     /// Lane by lane, both.
     #[inline(always)]
     pub fn and(self, other: M8) -> M8 {
-        let mut out = [0; LANES];
+        let mut out = [false; LANES];
         for k in 0..LANES {
             out[k] = self.0[k] & other.0[k];
         }
@@ -131,7 +130,7 @@ impl M8 {
     pub fn select(self, yes: F8, no: F8) -> F8 {
         let mut out = [0.0; LANES];
         for k in 0..LANES {
-            out[k] = if self.0[k] != 0 { yes.0[k] } else { no.0[k] };
+            out[k] = if self.0[k] { yes.0[k] } else { no.0[k] };
         }
         F8(out)
     }
@@ -141,7 +140,7 @@ impl M8 {
     pub fn select_u(self, yes: U8, no: U8) -> U8 {
         let mut out = [0; LANES];
         for k in 0..LANES {
-            out[k] = if self.0[k] != 0 { yes.0[k] } else { no.0[k] };
+            out[k] = if self.0[k] { yes.0[k] } else { no.0[k] };
         }
         U8(out)
     }

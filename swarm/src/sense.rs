@@ -14,14 +14,15 @@ pub const RAW_MAX: f32 = 4095.0;
 /// slips through the joint of two walls for rounding.
 const JOINT: f32 = 1e-5;
 
-/// A piece of the response: linear in distance from `from_m` on.
+/// A piece of the response: linear in distance from `from_m` on. Each figure stands in all lanes,
+/// so that choosing a piece is a choice between vectors in memory.
 #[derive(Clone, Copy, Debug, Default)]
 struct Piece {
-    from_m: f32,
-    value: f32,
-    value_per_m: f32,
-    sd: f32,
-    sd_per_m: f32,
+    from_m: F8,
+    value: F8,
+    value_per_m: F8,
+    sd: F8,
+    sd_per_m: F8,
 }
 
 /// The sensors of a robot model in the layout of the step loop.
@@ -31,7 +32,9 @@ pub struct Optics {
     y_m: F8,
     cos: F8,
     sin: F8,
+    /// Over the ground.
     range_m: f32,
+    ray_stretch: f32,
     body_radius_m: f32,
     sight_m2: f32,
     gain: f32,
@@ -73,11 +76,11 @@ impl Optics {
             };
             let (value_per_m, sd_per_m) = (slope(|r| r.value), slope(|r| r.relative_sd));
             pieces[k] = Piece {
-                from_m: row.distance_m as f32,
-                value: (row.value - value_per_m * row.distance_m) as f32,
-                value_per_m: value_per_m as f32,
-                sd: (row.relative_sd - sd_per_m * row.distance_m) as f32,
-                sd_per_m: sd_per_m as f32,
+                from_m: F8::splat(row.distance_m as f32),
+                value: F8::splat((row.value - value_per_m * row.distance_m) as f32),
+                value_per_m: F8::splat(value_per_m as f32),
+                sd: F8::splat((row.relative_sd - sd_per_m * row.distance_m) as f32),
+                sd_per_m: F8::splat(sd_per_m as f32),
             };
         }
         Self {
@@ -85,7 +88,8 @@ impl Optics {
             y_m: lanes(|m| m.y_m),
             cos: lanes(|m| libm::cos(m.heading_rad)),
             sin: lanes(|m| libm::sin(m.heading_rad)),
-            range_m: model.response.range_m() as f32,
+            range_m: (model.response.range_m() / model.parameters.ray_stretch) as f32,
+            ray_stretch: model.parameters.ray_stretch as f32,
             body_radius_m: model.parameters.body_radius_m as f32,
             sight_m2: {
                 let sight_m = model.sensor_reach_m() + model.parameters.body_radius_m;
@@ -152,19 +156,20 @@ impl Optics {
         hit.select(t, best)
     }
 
-    /// Raw values for distances, with noise from a word unique to this robot and step.
+    /// Raw values for distances over the ground, with noise from a word unique to this robot and step.
     #[inline(always)]
     pub fn respond(&self, distance_m: F8, noise_word: u64) -> F8 {
         let splat = F8::splat;
+        let distance_m = distance_m * splat(self.ray_stretch);
         let first = &self.pieces[0];
-        let (mut value, mut value_per_m) = (splat(first.value), splat(first.value_per_m));
-        let (mut sd, mut sd_per_m) = (splat(first.sd), splat(first.sd_per_m));
+        let (mut value, mut value_per_m) = (first.value, first.value_per_m);
+        let (mut sd, mut sd_per_m) = (first.sd, first.sd_per_m);
         for piece in &self.pieces[1..self.piece_count] {
-            let beyond = splat(piece.from_m).le(distance_m);
-            value = beyond.select(splat(piece.value), value);
-            value_per_m = beyond.select(splat(piece.value_per_m), value_per_m);
-            sd = beyond.select(splat(piece.sd), sd);
-            sd_per_m = beyond.select(splat(piece.sd_per_m), sd_per_m);
+            let beyond = piece.from_m.le(distance_m);
+            value = beyond.select(piece.value, value);
+            value_per_m = beyond.select(piece.value_per_m, value_per_m);
+            sd = beyond.select(piece.sd, sd);
+            sd_per_m = beyond.select(piece.sd_per_m, sd_per_m);
         }
         let mean = (value + value_per_m * distance_m) * splat(self.gain);
         let relative = (sd + sd_per_m * distance_m) * splat(self.noise);

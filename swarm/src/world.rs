@@ -496,3 +496,6 @@ fn advance_avx2<P: Pilot>(world: &mut World, pilots: &mut [P], steps: u64) {
 fn sense_avx2(world: &mut World) {
     world.sense();
 }
+
+#[cfg(test)]
+mod tests;

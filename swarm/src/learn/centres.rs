@@ -197,11 +197,10 @@ fn squared_distances<const D: usize>(x: &[f32; D], block: &[F8; D]) -> F8 {
 /// Non-negative floats are ordered as their bits are, so one whole number holds value and index.
 #[inline(always)]
 fn first_minimum(values: F8, block: U8) -> (u32, f32) {
-    let mut keys = [0; LANES];
-    for k in 0..LANES {
+    let keys: [i64; LANES] = std::array::from_fn(|k| {
         let index = block.0[k] * LANES as u32 + k as u32;
-        keys[k] = (u64::from(values.0[k].to_bits()) << 32 | u64::from(index)) as i64;
-    }
+        (i64::from(values.0[k].to_bits()) << 32) | i64::from(index)
+    });
     let pairs = [
         keys[0].min(keys[1]),
         keys[2].min(keys[3]),

@@ -95,10 +95,10 @@ impl Perceptron {
     fn hidden_lanes(&self, s: &[f32; INPUTS]) -> (F8, F8) {
         let mut low = F8::load(&self.hidden[INPUTS]);
         let mut high = F8::load(&self.hidden[INPUTS][LANES..]);
-        for d in 0..INPUTS {
-            let input = F8::splat(s[d]);
-            low = low + input * F8::load(&self.hidden[d]);
-            high = high + input * F8::load(&self.hidden[d][LANES..]);
+        for (input, weights) in s.iter().zip(&self.hidden) {
+            let input = F8::splat(*input);
+            low = low + input * F8::load(weights);
+            high = high + input * F8::load(&weights[LANES..]);
         }
         (logistic_of_double(low), logistic_of_double(high))
     }

@@ -39,10 +39,9 @@ pub struct Repository {
     states: Vec<State>,
     /// Of each (i, j).
     pairs: Vec<Pair>,
-    /// Of each (i, j): `lambda` next states, a ring.
-    lists: Vec<u16>,
-    /// Of each (i, j): n_ijk for every k.
-    counts: Vec<u16>,
+    /// Of each (i, j): `lambda` next states, a ring, then n_ijk for every k. Side by side, as both
+    /// are written together and a table of many robots is seldom in a cache.
+    entries: Vec<u16>,
     /// Of each (i, j).
     scores: Vec<f32>,
     /// Of each i: the actions with a list that is not full, in order, in its first places.
@@ -100,8 +99,7 @@ impl Repository {
                 ns as usize
             ],
             pairs: vec![Pair::default(); pairs],
-            lists: vec![0; pairs * lambda],
-            counts: vec![0; pairs * ns as usize],
+            entries: vec![0; pairs * (lambda + ns as usize)],
             scores: vec![f32::NEG_INFINITY; pairs],
             deficient: (0..ns).flat_map(|_| 0..na as u16).collect(),
         }
@@ -138,8 +136,9 @@ impl Repository {
         let at = self.at(i, j);
         let (lambda, ns) = (usize::from(self.lambda), self.ns as usize);
         let pair = &mut self.pairs[at];
-        let place = &mut self.lists[at * lambda..][..lambda][usize::from(pair.next)];
-        let counts = &mut self.counts[at * ns..][..ns];
+        let entries = &mut self.entries[at * (lambda + ns)..][..lambda + ns];
+        let (list, counts) = entries.split_at_mut(lambda);
+        let place = &mut list[usize::from(pair.next)];
         let oldest = *place;
         *place = k as u16;
         pair.next = if pair.next + 1 == self.lambda {
@@ -216,14 +215,15 @@ impl Repository {
     /// n_ijk for every k.
     #[inline(always)]
     pub fn transition_counts(&self, i: u32, j: u32) -> &[u16] {
-        &self.counts[self.at(i, j) * self.ns as usize..][..self.ns as usize]
+        let (lambda, ns) = (usize::from(self.lambda), self.ns as usize);
+        &self.entries[self.at(i, j) * (lambda + ns) + lambda..][..ns]
     }
 
     /// The list S(i, j), oldest entry first.
     pub fn list(&self, i: u32, j: u32) -> impl Iterator<Item = u32> {
         let at = self.at(i, j);
         let (pair, lambda) = (self.pairs[at], usize::from(self.lambda));
-        let ring = &self.lists[at * lambda..][..lambda];
+        let ring = &self.entries[at * (lambda + self.ns as usize)..][..lambda];
         // A list that is not full begins at its place 0, where `next` has not yet come by again.
         let first = if pair.recorded == self.lambda {
             usize::from(pair.next)
@@ -250,7 +250,7 @@ impl Repository {
 
     #[inline(always)]
     fn at(&self, i: u32, j: u32) -> usize {
-        debug_assert!(i < self.ns && j < self.na, "state {i}, action {j}");
+        assert!(j < self.na, "no action {j}");
         i as usize * self.na as usize + j as usize
     }
 

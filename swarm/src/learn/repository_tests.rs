@@ -167,8 +167,7 @@ fn bytes_are_counted() {
     let held = size_of::<Repository>()
         + size_of_val(&repository.states[..])
         + size_of_val(&repository.pairs[..])
-        + size_of_val(&repository.lists[..])
-        + size_of_val(&repository.counts[..])
+        + size_of_val(&repository.entries[..])
         + size_of_val(&repository.scores[..])
         + size_of_val(&repository.deficient[..]);
     assert_eq!(repository.bytes(), held as u64);

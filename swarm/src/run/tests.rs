@@ -1,1 +1,205 @@
-//! Tests of whole runs.
+//! Tests of whole runs: interruption, thread count, block size, instructions, engines, methods.
+#![allow(clippy::unwrap_used)]
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::*;
+use crate::robot::RobotModel;
+use crate::spec::{
+    ControllerParameters, ControllerSpec, EngineKind, Method, Placement, Training,
+};
+
+fn arena(name: &str) -> Arc<Arena> {
+    Arc::new(arenas::builtin(name).unwrap())
+}
+
+fn spec(method: Method) -> RunSpec {
+    RunSpec {
+        seed: 5,
+        arena: arena("maze"),
+        controller: ControllerSpec {
+            method,
+            parameters: ControllerParameters { babbling_epochs: 2, ..Default::default() },
+            training: Some(Training { arena: arena("easy"), epochs: 3 }),
+        },
+        epochs: 3,
+        steps_per_epoch: 200,
+        robots: 1,
+        placement: Placement::Start,
+        episodes: Episodes::Reset,
+        robot: RobotModel::default(),
+        engine: EngineKind::Kinematic,
+    }
+}
+
+fn swarm(method: Method, robots: u32) -> RunSpec {
+    RunSpec {
+        robots,
+        placement: Placement::Grid,
+        epochs: 2,
+        steps_per_epoch: 150,
+        ..spec(method)
+    }
+}
+
+fn finished(spec: RunSpec) -> Outcome {
+    let mut run = Run::new(spec).unwrap();
+    run.advance(u64::MAX);
+    run.outcome().unwrap()
+}
+
+/// Interrupts a run at every multiple of `every` steps and compares with one never interrupted.
+fn check_interrupted(spec: &RunSpec, every: u64) {
+    let mut whole = Run::new(spec.clone()).unwrap();
+    let mut parts = Run::new(spec.clone()).unwrap();
+    while whole.outcome().is_none() {
+        whole.advance(every);
+        parts.advance(every);
+        let saved = parts.snapshot();
+        assert!(saved == whole.snapshot(), "differs after {} steps", whole.step());
+        parts = Run::restore(spec.clone(), &saved).unwrap();
+        assert!(parts.snapshot() == saved, "restoring changed the state");
+    }
+    assert_eq!(whole.outcome(), parts.outcome());
+}
+
+#[test]
+fn interrupted_equals_uninterrupted_for_every_method() {
+    for &method in Method::ALL {
+        check_interrupted(&spec(method), 137);
+    }
+}
+
+#[test]
+fn interrupted_equals_uninterrupted_for_swarms_engines_and_episodes() {
+    check_interrupted(&swarm(Method::EvIterC, 4), 61);
+    check_interrupted(&RunSpec { engine: EngineKind::Rapier, ..swarm(Method::Im, 3) }, 61);
+    check_interrupted(&RunSpec { episodes: Episodes::Continue, ..spec(Method::EvIterD) }, 137);
+}
+
+#[test]
+fn blocks_and_instructions_do_not_matter() {
+    for spec in [spec(Method::EvIterCa), swarm(Method::Curiosity, 5)] {
+        let whole = finished(spec.clone());
+        let mut blocks = Run::new(spec.clone()).unwrap();
+        while blocks.advance(7).phase != Phase::Done {}
+        assert_eq!(blocks.outcome().unwrap(), whole);
+        let mut portable = Run::new(spec).unwrap();
+        portable.set_backend(Backend::Portable);
+        portable.advance(u64::MAX);
+        assert_eq!(portable.outcome().unwrap(), whole);
+    }
+}
+
+#[test]
+fn thread_count_does_not_matter() {
+    let specs: Vec<RunSpec> = (0..6).map(|seed| RunSpec { seed, ..spec(Method::Im) }).collect();
+    let on = |threads: usize| -> Vec<Outcome> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| specs.par_iter().cloned().map(finished).collect())
+    };
+    let one = on(1);
+    assert_eq!(one, on(2));
+    assert_eq!(one, on(5));
+    assert_ne!(one[0].state_sha256, one[1].state_sha256, "seeds differ");
+}
+
+#[test]
+fn replay_sees_the_very_trajectories_of_phase_1() {
+    // The archive replayed at the end of phase 2 leaves the robot where phase 1 left it.
+    let spec = spec(Method::EvIterC);
+    let steps = u64::from(spec.steps_per_epoch) * 3;
+    let mut run = Run::new(spec).unwrap();
+    let pose = |run: &Run| {
+        let robots = run.robots();
+        (robots.x_m[0].to_bits(), robots.y_m[0].to_bits(), robots.sensors[0].map(f32::to_bits))
+    };
+    let mut evolved = Vec::new();
+    let mut replayed = Vec::new();
+    for step in 0..2 * steps {
+        assert_eq!(
+            run.progress().phase,
+            if step < steps { Phase::Evolution } else { Phase::Repository }
+        );
+        run.advance(1);
+        if (step + 1) % steps != 0 {
+            if step < steps { evolved.push(pose(&run)) } else { replayed.push(pose(&run)) }
+        }
+    }
+    assert_eq!(evolved, replayed);
+}
+
+#[test]
+fn progress_counts_every_stage() {
+    let mut run = Run::new(spec(Method::EvIterC)).unwrap();
+    let total = run.progress().robot_steps_total;
+    assert_eq!(total, (3 + 3 + 3) * 200);
+    assert_eq!(run.advance(u64::MAX).robot_steps_done, total);
+    assert_eq!(run.curve().len(), 3);
+    assert!(run.curve().windows(2).all(|w| w[0].p1 <= w[1].p1 && w[0].epoch < w[1].epoch));
+    let shown = Run::new(spec(Method::Curiosity)).unwrap();
+    assert_eq!(shown.progress().robot_steps_total, 2 * 3 * 200, "evaluated, then shown");
+}
+
+#[test]
+fn visits_agree_with_coverage() {
+    let mut run = Run::new(swarm(Method::Brownian, 6)).unwrap();
+    run.advance(u64::MAX);
+    let (visits, dwell) = (run.visits(), run.dwell());
+    let outcome = run.outcome().unwrap();
+    assert_eq!(visits.iter().filter(|&&v| v >= 1).count() as u32, outcome.coverage.p1);
+    assert_eq!(visits.iter().filter(|&&v| v >= 10).count() as u32, outcome.coverage.p10);
+    assert_eq!(dwell.iter().sum::<u32>(), 2 * 150 * 6);
+}
+
+#[test]
+fn damaged_and_foreign_snapshots_are_refused() {
+    let run = Run::new(spec(Method::Im)).unwrap();
+    let saved = run.snapshot();
+    for cut in [0, 7, 39, 41, saved.len() - 1] {
+        assert!(Run::restore(spec(Method::Im), &saved[..cut]).is_err());
+    }
+    let mut flipped = saved.clone();
+    flipped[100] ^= 1;
+    assert!(matches!(
+        Run::restore(spec(Method::Im), &flipped),
+        Err(RestoreError::Unreadable(_))
+    ));
+    let other = RunSpec { seed: 6, ..spec(Method::Im) };
+    assert!(matches!(Run::restore(other, &saved), Err(RestoreError::OtherSpec)));
+}
+
+#[test]
+fn specs_that_cannot_run_are_refused_with_their_fields() {
+    let check = |spec: RunSpec, pointer: &str, part: &str| {
+        let errors = Run::new(spec).err().unwrap();
+        assert!(
+            errors.iter().any(|e| e.pointer == pointer
+                && (e.message.contains(part) || e.allowed.contains(part))),
+            "{pointer} {part}: {errors:?}"
+        );
+    };
+    check(RunSpec { epochs: 0, ..spec(Method::Im) }, "/epochs", "from 1");
+    check(RunSpec { robots: 2, ..spec(Method::Im) }, "/robots", "placement");
+    check(
+        RunSpec { robots: 1_000, placement: Placement::Grid, ..spec(Method::Im) },
+        "/robots",
+        "at most",
+    );
+    check(
+        RunSpec { robots: 1_000, placement: Placement::Random, ..spec(Method::Im) },
+        "/robots",
+        "at most",
+    );
+    let mut fast = spec(Method::Im);
+    fast.robot.parameters.max_wheel_speed_rad_s = 100.0;
+    check(fast, "/robot/max_wheel_speed_rad_s", "half the body radius");
+    let mut large = spec(Method::Im);
+    large.robot.parameters.body_radius_m = 0.2;
+    check(large, "/arena/starts/0", "");
+    let mut untrained = spec(Method::EvIterC);
+    untrained.controller.training = None;
+    check(untrained, "/controller/train", "training arena");
+}
