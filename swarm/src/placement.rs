@@ -43,16 +43,8 @@ pub fn place(
     let wanted = robots as usize;
     let poses = match placement {
         Placement::Start => {
+            enough_starts(arena, robots)?;
             let poses = arena.starts();
-            if poses.len() < wanted {
-                return Err(refuse(
-                    format!("the arena has {} start poses for {robots} robots", poses.len()),
-                    format!(
-                        "at most {} robots with placement `start`, or placement `grid` or `random`",
-                        poses.len()
-                    ),
-                ));
-            }
             if let Some((a, b)) = overlapping(&poses[..wanted], model.parameters.body_radius_m) {
                 return Err(refuse(
                     format!("the robots of start poses {a} and {b} would overlap"),
@@ -71,6 +63,21 @@ pub fn place(
         ));
     }
     Ok(poses)
+}
+
+/// Whether the arena has a start pose for each robot.
+///
+/// # Errors
+/// When it has fewer; says how many.
+pub fn enough_starts(arena: &Arena, robots: u32) -> Result<(), FieldError> {
+    let poses = arena.starts().len();
+    if poses >= robots as usize {
+        return Ok(());
+    }
+    Err(refuse(
+        format!("the arena {} has {poses} start poses for {robots} robots", arena.name()),
+        format!("at most {poses} robots with placement `start`, or placement `grid` or `random`"),
+    ))
 }
 
 /// Two start poses nearer to each other than two body radii, if any (sweep along x).

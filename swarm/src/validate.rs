@@ -2,8 +2,9 @@
 
 use arenas::Arena;
 
+use crate::placement::enough_starts;
 use crate::run::{MAX_EPOCHS, MAX_ROBOTS, MAX_STEPS_PER_EPOCH};
-use crate::spec::{FieldError, Method, RunSpec, StatesFrom};
+use crate::spec::{FieldError, Method, Placement, RunSpec, StatesFrom};
 
 fn error(pointer: &str, message: impl Into<String>, allowed: impl Into<String>) -> FieldError {
     FieldError { pointer: pointer.into(), message: message.into(), allowed: allowed.into() }
@@ -91,5 +92,11 @@ impl RunSpec {
             message: e.message,
             allowed: e.allowed,
         }));
+        if self.placement == Placement::Start
+            && let Err(error) = enough_starts(arena, self.robots)
+            && !errors.contains(&error)
+        {
+            errors.push(error);
+        }
     }
 }

@@ -1,0 +1,42 @@
+# What there is to do: make run | test | lint | bench
+
+CARGO ?= cargo
+LISTEN ?= 127.0.0.1:8080
+DATA ?= data
+TARGET := $(or $(CARGO_TARGET_DIR),target)
+EVSWARM := $(TARGET)/release/evswarm
+CARGO_DENY := target/tools/bin/cargo-deny
+CARGO_DENY_VERSION := 0.20.2
+
+.PHONY: build run test lint deny bench
+
+build:
+	$(CARGO) build --release --workspace --bins --examples
+
+# Serves at LISTEN and, unless DATA holds jobs already, posts the README's first job. Ctrl-C stops
+# the server, which keeps what its runs have done; the next `make run` goes on from there.
+run: build
+	@(for try in 1 2 3 4 5 6 7 8 9 10; do \
+		sleep 0.5; \
+		jobs=$$($(EVSWARM) status --server http://$(LISTEN) 2>/dev/null) || continue; \
+		test -n "$$jobs" || $(EVSWARM) submit docs/first-job.json --server http://$(LISTEN); \
+		break; \
+	done) & exec $(EVSWARM) serve --listen $(LISTEN) --data $(DATA)
+
+# The end-to-end tests start the binaries that `build` makes.
+test: build
+	$(CARGO) test --release --workspace
+
+lint: deny
+	$(CARGO) fmt --all --check
+	$(CARGO) clippy --workspace --all-targets --release -- -D warnings
+
+# Licences, duplicate bans and sources of all dependencies. Advisories are left out: they need a
+# database from the network, and would let a build fail without any change to it.
+deny:
+	@command -v cargo-deny >/dev/null || test -x $(CARGO_DENY) || \
+		$(CARGO) install cargo-deny --version $(CARGO_DENY_VERSION) --locked --root target/tools
+	PATH="$$PATH:$(dir $(abspath $(CARGO_DENY)))" $(CARGO) deny check bans licenses sources
+
+bench:
+	$(CARGO) run --release -p loadtests -- $(ARGS)

@@ -1,0 +1,81 @@
+//! What the service offers: arenas, controllers with their parameters, prepared jobs.
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+/// An arena in a list.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ArenaListing {
+    /// Name, as a run spec uses it.
+    pub name: String,
+    /// Whether it ships with the program; such an arena cannot be deleted.
+    pub builtin: bool,
+    /// Metres from left to right.
+    pub width_m: f64,
+    /// Metres from bottom to top.
+    pub height_m: f64,
+    /// Inner walls.
+    pub walls: u64,
+    /// Start poses.
+    pub starts: u64,
+    /// Rows, and columns, that visits are counted in.
+    pub squares: u32,
+    /// Squares that a robot of the default preset can reach from the first start pose.
+    pub reachable: u32,
+}
+
+/// A method in a list.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MethodListing {
+    /// Name, as a run spec uses it.
+    pub name: String,
+    /// What it does.
+    pub about: String,
+    /// Whether it takes a `train` block: `yes`, `no`, or on what it depends.
+    pub trains: String,
+}
+
+/// A parameter in a list.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ParameterListing {
+    /// Name, as a run spec uses it.
+    pub name: String,
+    /// Value when a spec does not say.
+    pub default: Value,
+    /// What it may be, as `{"kind": "real" | "whole" | "choice", ...}`.
+    pub domain: Value,
+    /// SI unit, `1` for a pure number, or empty.
+    pub unit: String,
+    /// What it does.
+    pub about: String,
+    /// Equation, section or data sheet.
+    pub source: String,
+}
+
+/// Everything that `controller` and `robot` of a run spec may hold.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ControllerListing {
+    /// Version of this format.
+    pub schema: u32,
+    /// Values of `controller.method`.
+    pub methods: Vec<MethodListing>,
+    /// Parameters beside `controller.method`.
+    pub parameters: Vec<ParameterListing>,
+    /// Values of `robot.preset`.
+    pub presets: Vec<String>,
+    /// Parameters beside `robot.preset`; defaults are those of the first preset.
+    pub robot_parameters: Vec<ParameterListing>,
+}
+
+/// A prepared job in a list.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TemplateListing {
+    /// Name, for `{"template": ...}`.
+    pub name: String,
+    /// What it runs.
+    pub about: String,
+    /// Runs that it makes.
+    pub runs: u64,
+    /// The job itself.
+    pub job: Value,
+}

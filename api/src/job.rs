@@ -1,0 +1,91 @@
+//! Jobs and runs as the service shows them.
+
+use serde::{Deserialize, Serialize};
+
+use crate::result::RunResult;
+use crate::state::{Progress, State};
+
+/// How many runs of a job are in each state.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RunCounts {
+    /// All of them.
+    pub total: u64,
+    /// Waiting.
+    pub queued: u64,
+    /// Being stepped.
+    pub running: u64,
+    /// Stopped on request, can go on.
+    #[serde(default)]
+    pub paused: u64,
+    /// Finished.
+    pub done: u64,
+    /// Ended by an error.
+    pub failed: u64,
+    /// Stopped for good.
+    pub cancelled: u64,
+}
+
+/// A job.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Job {
+    /// Id, as in `/v1/jobs/{id}`.
+    pub id: String,
+    /// Text given by who posted it; empty when none was.
+    pub name: String,
+    /// Where it is in its life.
+    pub state: State,
+    /// When it was accepted, RFC 3339 in UTC.
+    pub created_at: String,
+    /// Its runs by state.
+    pub runs: RunCounts,
+    /// Share of the work done, 0 to 1, over all runs.
+    pub progress: f64,
+    /// Seconds left at the present pace; null until it is known.
+    pub eta_s: Option<f64>,
+    /// Robot-steps a second of its running runs together; null when none runs.
+    #[serde(default)]
+    pub robot_steps_per_s: Option<f64>,
+}
+
+/// A run in a list.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RunSummary {
+    /// Id, as in `/v1/runs/{id}`: SHA-256 of spec, arenas and code version, in hex.
+    pub id: String,
+    /// Id of the job that it belongs to.
+    pub job_id: String,
+    /// Place in the job, from 0.
+    pub index: u64,
+    /// Seed.
+    pub seed: u64,
+    /// Name of the target arena.
+    pub arena: String,
+    /// Name of the method.
+    pub method: String,
+    /// Where it is in its life.
+    pub state: State,
+    /// How far it is; null before it starts.
+    pub progress: Option<Progress>,
+    /// What it found; null until it is done.
+    pub result: Option<RunResult>,
+    /// Why it failed; null unless it did.
+    pub error: Option<String>,
+}
+
+/// A page of jobs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct JobPage {
+    /// Newest first.
+    pub items: Vec<Job>,
+    /// Cursor of the next page; null on the last.
+    pub next: Option<String>,
+}
+
+/// A page of a job's runs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RunPage {
+    /// In order of `index`.
+    pub items: Vec<RunSummary>,
+    /// Cursor of the next page; null on the last.
+    pub next: Option<String>,
+}

@@ -1,0 +1,23 @@
+//! What crosses the process boundary: requests, responses, problems, events, channel payloads.
+//!
+//! Types only. Documents that are stored or sent to others carry a `schema` number.
+
+pub mod catalog;
+pub mod frames;
+pub mod job;
+pub mod problem;
+pub mod result;
+pub mod spec;
+pub mod state;
+
+pub use catalog::{
+    ArenaListing, ControllerListing, MethodListing, ParameterListing, TemplateListing,
+};
+pub use job::{Job, JobPage, RunCounts, RunPage, RunSummary};
+pub use problem::{FieldError, Problem};
+pub use result::{ClusterCounts, Coverage, CurveRow, Fractions, RunResult};
+pub use spec::{
+    ArenaRef, ControllerSpec, JobSpec, RecordSpec, RobotSpec, RunSpec, SCHEMA, Seeds, SharingSpec,
+    TrainSpec,
+};
+pub use state::{Progress, State};

@@ -1,0 +1,168 @@
+//! What a client posts: a run spec, and a job that sweeps one.
+//!
+//! Every field of a run spec is optional; the server fills in what is missing. The same type, with
+//! every field present, is the resolved spec that is stored beside each run.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+/// Version of the run spec, the job spec and the files that a run writes.
+pub const SCHEMA: u32 = 1;
+
+/// One simulation run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RunSpec {
+    /// Version of this format: [`SCHEMA`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub schema: Option<u32>,
+    /// Seed of every random stream, at most 2^53 - 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
+    /// Target arena, where visits count.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub arena: Option<ArenaRef>,
+    /// How the robots learn.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub controller: Option<ControllerSpec>,
+    /// Counted epochs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub epochs: Option<u32>,
+    /// Control steps an epoch.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub steps_per_epoch: Option<u32>,
+    /// Robots in the arena.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub robots: Option<u32>,
+    /// `start`, `grid` or `random`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub placement: Option<String>,
+    /// `reset` or `continue`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub episodes: Option<String>,
+    /// Body, wheels and sensors.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub robot: Option<RobotSpec>,
+    /// `kinematic` or `rapier`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub engine: Option<String>,
+    /// Bytes that each robot's learner may hold, a preset's name, or null for no budget.
+    #[serde(default)]
+    pub memory_budget_bytes: Value,
+    /// Whether robots share what they learn.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sharing: Option<SharingSpec>,
+    /// What is recorded.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub record: Option<RecordSpec>,
+    /// Whether local programs can watch the run through shared memory.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub channels: Option<bool>,
+}
+
+/// An arena by name, or written out.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum ArenaRef {
+    /// A built-in or uploaded arena.
+    Name(String),
+    /// An arena object; the server checks it.
+    Inline(serde_json::Map<String, Value>),
+}
+
+/// A method with its parameters beside it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ControllerSpec {
+    /// Name of the method, such as `ev-iter-c`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub method: Option<String>,
+    /// Where it trains, for the methods that do.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub train: Option<TrainSpec>,
+    /// Parameters by name; `GET /v1/controllers` lists them.
+    #[serde(flatten)]
+    pub parameters: BTreeMap<String, Value>,
+}
+
+/// Training of a controller.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrainSpec {
+    /// Arena in which phase 1, or the evolution of a baseline, happens.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub arena: Option<ArenaRef>,
+    /// Epochs of phase 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub epochs: Option<u32>,
+}
+
+/// A robot preset with parameters that differ from it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RobotSpec {
+    /// Name of the preset, such as `thesis`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub preset: Option<String>,
+    /// Parameters by name; `GET /v1/controllers` lists them.
+    #[serde(flatten)]
+    pub parameters: BTreeMap<String, Value>,
+}
+
+/// Sharing between robots.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SharingSpec {
+    /// `none`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mode: Option<String>,
+}
+
+/// What a run records.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RecordSpec {
+    /// Record every so many steps; 0 records nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub every_steps: Option<u64>,
+}
+
+/// A job: the product of a matrix over a base run and of seeds, or a prepared one by name.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct JobSpec {
+    /// Version of this format: [`SCHEMA`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub schema: Option<u32>,
+    /// Any text, to recognise the job by.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// What all runs have in common.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub base: Option<RunSpec>,
+    /// Values to try by dotted path into the run spec, such as `controller.alpha`. Combined in
+    /// alphabetical order of paths; the last path varies fastest.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub matrix: BTreeMap<String, Vec<Value>>,
+    /// Seeds to repeat each combination with.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seeds: Option<Seeds>,
+    /// Name of a prepared job; stands alone, or with `name`, `base` and `seeds` that override its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub template: Option<String>,
+}
+
+/// Seeds of a job.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Seeds {
+    /// `count` seeds from `first` up.
+    Range {
+        /// The first seed.
+        first: u64,
+        /// How many.
+        count: u64,
+    },
+    /// These.
+    List(Vec<u64>),
+}

@@ -1,0 +1,6 @@
+//! Benchmarks of the step loop: cases with goals, measured in turn, compared with earlier figures.
+
+pub mod cases;
+pub mod compare;
+pub mod measure;
+pub mod table;

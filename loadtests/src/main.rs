@@ -1,0 +1,77 @@
+//! `make bench`: prints the table of figures against goals, and writes it as JSON.
+#![allow(clippy::print_stdout, reason = "the table is the program's output")]
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use clap::Parser;
+use loadtests::cases::{self, Case};
+use loadtests::measure::{Figure, measure};
+use loadtests::{compare, table};
+
+/// Benchmarks of the step loop: CPU nanoseconds a robot-step, on one thread.
+#[derive(Parser)]
+struct Options {
+    /// Only cases whose name contains this.
+    #[arg(long, default_value = "")]
+    only: String,
+    /// Also the slow cases (10,000 robots with learning).
+    #[arg(long)]
+    full: bool,
+    /// Rounds; each measures every case once.
+    #[arg(long, default_value_t = 9)]
+    rounds: usize,
+    /// Milliseconds a chunk.
+    #[arg(long, default_value_t = 60.0)]
+    chunk_ms: f64,
+    /// Where the figures go as JSON.
+    #[arg(long, default_value = "target/bench.json")]
+    out: PathBuf,
+    /// Earlier figures to compare with.
+    #[arg(long)]
+    base: Option<PathBuf>,
+    /// Steps one case by this many arena steps and prints nothing: for instruction counts under
+    /// `valgrind --tool=callgrind`.
+    #[arg(long)]
+    steps: Option<u64>,
+}
+
+fn main() -> Result<()> {
+    let options = Options::parse();
+    let cases: Vec<Case> = cases::all()
+        .into_iter()
+        .filter(|case| case.name.contains(&options.only) && (case.standard || options.full))
+        .collect();
+    if let Some(steps) = options.steps {
+        for case in &cases {
+            ((case.setup)()?.chunk)(steps);
+        }
+        return Ok(());
+    }
+    let total = cases.len() * (options.rounds + 1);
+    let mut done = 0;
+    let figures = measure(&cases, options.rounds, options.chunk_ms, |name| {
+        done += 1;
+        eprint!("\r{done}/{total} {name:<40}");
+    })?;
+    eprintln!("\r{:<60}", "");
+    for line in table::lines(&figures) {
+        println!("{line}");
+    }
+    if let Some(folder) = options.out.parent() {
+        std::fs::create_dir_all(folder)?;
+    }
+    std::fs::write(&options.out, serde_json::to_string_pretty(&figures)? + "\n")
+        .with_context(|| format!("writing {}", options.out.display()))?;
+    println!("\nfigures: {}", options.out.display());
+    if let Some(base) = &options.base {
+        let text = std::fs::read_to_string(base)
+            .with_context(|| format!("reading {}", base.display()))?;
+        let base: Vec<Figure> = serde_json::from_str(&text)?;
+        println!("\nagainst the earlier figures:");
+        for line in compare::lines(&base, &figures) {
+            println!("{line}");
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,48 @@
+//! The table of figures against goals, and what other simulators need for the same worlds.
+
+use crate::measure::Figure;
+
+/// Published CPU nanoseconds a robot-step (median) of the fastest peer for each of its worlds.
+const PEERS: [(u64, f64, &str); 5] = [
+    (1, 1_198.0, "roborobo4"),
+    (10, 1_344.0, "roborobo4"),
+    (100, 1_278.0, "roborobo4"),
+    (1_000, 1_346.0, "roborobo4"),
+    (10_000, 3_138.0, "roborobo4"),
+];
+
+/// The figures as lines of text.
+pub fn lines(figures: &[Figure]) -> Vec<String> {
+    let mut lines = vec![format!(
+        "{:<34} {:>9} {:>9} {:>9} {:>7} {:>8}  {:<9} {:>12}",
+        "case", "median ns", "min ns", "p90 ns", "goal", "stretch", "verdict", "bytes/robot"
+    )];
+    for f in figures {
+        let goal = |us: Option<f64>| us.map_or_else(|| "-".into(), |us| format!("{:.0}", us * 1e3));
+        let verdict = match (f.goal_us, f.stretch_us) {
+            (_, Some(stretch)) if f.median_ns <= stretch * 1e3 => "stretch",
+            (Some(goal), _) if f.median_ns <= goal * 1e3 => "goal",
+            (Some(_), _) => "missed",
+            _ => "",
+        };
+        let bytes = f.bytes_per_robot.map_or_else(String::new, |bytes| bytes.to_string());
+        let mut line = format!(
+            "{:<34} {:>9.1} {:>9.1} {:>9.1} {:>7} {:>8}  {:<9} {:>12}",
+            f.name,
+            f.median_ns,
+            f.min_ns,
+            f.p90_ns,
+            goal(f.goal_us),
+            goal(f.stretch_us),
+            verdict,
+            bytes
+        );
+        if let Some((_, ns, who)) =
+            PEERS.iter().find(|(robots, ..)| f.name == format!("kinematic/peers/{robots}"))
+        {
+            line += &format!("  fastest peer: {who}, {ns:.0} ns, {:.1} times ours", ns / f.median_ns);
+        }
+        lines.push(line);
+    }
+    lines
+}

@@ -1,0 +1,127 @@
+//! The result directory: written beside its place and renamed into it as one, or not at all.
+
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use swarm::run::{CurveRow, Outcome};
+
+use super::timing::Timing;
+use super::{coverage_png, curve_csv, run_result, visits_npy};
+use crate::spec::ResolvedRun;
+
+/// A finished run.
+#[derive(Clone, Copy, Debug)]
+pub struct Finished<'a> {
+    /// What was run.
+    pub spec: &'a ResolvedRun,
+    /// What it found.
+    pub outcome: &'a Outcome,
+    /// One row a counted epoch.
+    pub curve: &'a [CurveRow],
+    /// Entries counted a square, row 0 the lowest y.
+    pub visits: &'a [u32],
+}
+
+/// A file that could not be written.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot write {}: {source}", path.display())]
+pub struct WriteError {
+    /// The file or directory.
+    pub path: PathBuf,
+    /// Why.
+    pub source: io::Error,
+}
+
+fn at(path: &Path) -> impl FnOnce(io::Error) -> WriteError {
+    let path = path.to_owned();
+    move |source| WriteError { path, source }
+}
+
+/// Writes all files of a finished run into `directory`, which must not exist or be empty.
+///
+/// # Errors
+/// The first file that could not be written; then `directory` is as it was.
+pub fn write_directory(
+    directory: &Path,
+    finished: &Finished<'_>,
+    timing: &Timing,
+) -> Result<(), WriteError> {
+    let parent = match directory.parent() {
+        Some(parent) if parent != Path::new("") => parent,
+        _ => Path::new("."),
+    };
+    fs::create_dir_all(parent).map_err(at(parent))?;
+    let beside = beside(parent).map_err(at(parent))?;
+    for (name, bytes) in files(finished, timing) {
+        let path = beside.path().join(name);
+        write_synced(&path, &bytes).map_err(at(&path))?;
+    }
+    sync(beside.path()).map_err(at(beside.path()))?;
+    fs::rename(beside.path(), directory).map_err(at(directory))?;
+    // It has moved: there is nothing left to remove at the old place.
+    let _ = beside.keep();
+    sync(parent).map_err(at(parent))
+}
+
+/// The spec of the finished run that `directory` holds, as the text of its `spec.json`.
+pub fn is_complete(directory: &Path) -> Option<String> {
+    let spec = fs::read_to_string(directory.join("spec.json")).ok()?;
+    directory.join("result.json").is_file().then_some(spec)
+}
+
+fn files(finished: &Finished<'_>, timing: &Timing) -> [(&'static str, Vec<u8>); 6] {
+    let Finished {
+        spec,
+        outcome,
+        curve,
+        visits,
+    } = *finished;
+    let arena = spec.arena();
+    let reachable = arena
+        .starts()
+        .first()
+        .map(|start| arenas::reachable(arena, *start, spec.body_radius_m()));
+    let mask = reachable
+        .as_ref()
+        .map(|reachable| reachable.mask.as_slice());
+    [
+        ("spec.json", spec.canonical_json().into_bytes()),
+        ("result.json", json(&run_result(outcome))),
+        ("curve.csv", curve_csv(curve).into_bytes()),
+        ("visits.npy", visits_npy(visits, arena.squares())),
+        ("coverage.png", coverage_png(arena, visits, mask)),
+        ("timing.json", json(&timing.to_document())),
+    ]
+}
+
+fn json(document: &impl Serialize) -> Vec<u8> {
+    // Structs of numbers and strings: JSON can hold all of them.
+    #[allow(clippy::expect_used)]
+    let mut bytes = serde_json::to_vec_pretty(document).expect("a document is JSON");
+    bytes.push(b'\n');
+    bytes
+}
+
+/// A fresh directory with the permissions of an ordinary one.
+fn beside(parent: &Path) -> io::Result<tempfile::TempDir> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".evswarm-");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(fs::Permissions::from_mode(0o777));
+    }
+    builder.tempdir_in(parent)
+}
+
+fn write_synced(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut file = File::create(path)?;
+    file.write_all(bytes)?;
+    file.sync_all()
+}
+
+fn sync(directory: &Path) -> io::Result<()> {
+    File::open(directory)?.sync_all()
+}

@@ -1,0 +1,36 @@
+//! What a finished run leaves behind: files of a result directory, and the same as bytes for HTTP.
+//!
+//! Everything but `timing.json` is a pure function of the run, down to the bytes of the picture.
+
+mod directory;
+mod npy;
+mod palette;
+mod picture;
+mod raster;
+mod scene;
+mod tables;
+mod timing;
+mod vector;
+
+pub use directory::{Finished, WriteError, is_complete, write_directory};
+pub use npy::visits_npy;
+pub use tables::{coverage_csv, coverage_json, curve_csv, run_result};
+pub use timing::{Timing, process_cpu_s, thread_cpu_s};
+
+use arenas::Arena;
+
+/// The visits over the arena's walls, with axes and a legend, as a PNG.
+///
+/// `visits` and `reachable` hold a value for each of the arena's squares, row 0 the lowest y.
+/// Squares that are not reachable are hatched. Equal input gives equal bytes on every machine.
+pub fn coverage_png(arena: &Arena, visits: &[u32], reachable: Option<&[bool]>) -> Vec<u8> {
+    raster::png(&picture::coverage(arena, visits, reachable))
+}
+
+/// The same picture as [`coverage_png`] as SVG.
+pub fn coverage_svg(arena: &Arena, visits: &[u32], reachable: Option<&[bool]>) -> String {
+    vector::svg(&picture::coverage(arena, visits, reachable))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,204 @@
+//! A scene as PNG.
+//!
+//! The rasteriser runs without SIMD, and glyphs come as outlines from an embedded font: no step
+//! depends on the machine, so equal scenes give equal bytes.
+
+use tiny_skia::{
+    Color, FillRule, LineCap, Paint, Path, PathBuilder, Pixmap, PremultipliedColorU8, Rect, Stroke,
+    Transform,
+};
+use ttf_parser::{Face, OutlineBuilder};
+
+use super::palette::{Colour, WHITE};
+use super::scene::{Anchor, Item, Scene};
+
+/// Draws the scene on white.
+pub fn png(scene: &Scene) -> Vec<u8> {
+    // Sizes are small and never zero, the embedded font can be parsed, and encoding goes to memory.
+    #[allow(clippy::expect_used)]
+    let mut canvas = Canvas {
+        pixmap: Pixmap::new(scene.width_px, scene.height_px).expect("the size is not zero"),
+        regular: Face::parse(dejavu::sans::regular(), 0).expect("the embedded font is valid"),
+        bold: Face::parse(dejavu::sans::bold(), 0).expect("the embedded font is valid"),
+    };
+    canvas.pixmap.fill(Color::WHITE);
+    for item in &scene.items {
+        canvas.draw(item);
+    }
+    encode(&canvas.pixmap)
+}
+
+/// RGB without alpha: every pixel is opaque.
+fn encode(pixmap: &Pixmap) -> Vec<u8> {
+    let rgb: Vec<u8> = pixmap
+        .pixels()
+        .iter()
+        .flat_map(|pixel: &PremultipliedColorU8| [pixel.red(), pixel.green(), pixel.blue()])
+        .collect();
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, pixmap.width(), pixmap.height());
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    // Writing to memory cannot fail, and the data has the announced size.
+    #[allow(clippy::expect_used)]
+    encoder
+        .write_header()
+        .and_then(|mut writer| writer.write_image_data(&rgb))
+        .expect("a picture in memory can be encoded");
+    bytes
+}
+
+struct Canvas {
+    pixmap: Pixmap,
+    regular: Face<'static>,
+    bold: Face<'static>,
+}
+
+impl Canvas {
+    fn draw(&mut self, item: &Item) {
+        match item {
+            Item::Rectangles { rectangles, colour } => {
+                let mut path = PathBuilder::new();
+                for [x, y, width, height] in rectangles {
+                    if let Some(rectangle) = Rect::from_xywh(*x, *y, *width, *height) {
+                        path.push_rect(rectangle);
+                    }
+                }
+                self.fill(path.finish(), *colour);
+            }
+            Item::Lines {
+                lines,
+                width_px,
+                colour,
+            } => {
+                let mut path = PathBuilder::new();
+                for [x1, y1, x2, y2] in lines {
+                    path.move_to(*x1, *y1);
+                    path.line_to(*x2, *y2);
+                }
+                self.stroke(path.finish(), *width_px, *colour);
+            }
+            Item::Disc {
+                centre: [x, y],
+                radius_px,
+                colour,
+            } => {
+                let circle = PathBuilder::from_circle(*x, *y, *radius_px);
+                self.fill(circle.clone(), *colour);
+                self.stroke(circle, 1.5, WHITE);
+            }
+            Item::Text {
+                text,
+                at,
+                size_px,
+                bold,
+                anchor,
+                colour,
+            } => {
+                let face = if *bold { &self.bold } else { &self.regular };
+                let path = text_path(face, text, *at, *size_px, *anchor);
+                self.fill(path, *colour);
+            }
+        }
+    }
+
+    fn fill(&mut self, path: Option<Path>, colour: Colour) {
+        // No path: a shape without points, such as a space.
+        if let Some(path) = path {
+            let paint = paint(colour);
+            self.pixmap.fill_path(
+                &path,
+                &paint,
+                FillRule::Winding,
+                Transform::identity(),
+                None,
+            );
+        }
+    }
+
+    fn stroke(&mut self, path: Option<Path>, width_px: f32, colour: Colour) {
+        if let Some(path) = path {
+            let stroke = Stroke {
+                width: width_px,
+                line_cap: LineCap::Round,
+                ..Stroke::default()
+            };
+            let paint = paint(colour);
+            self.pixmap
+                .stroke_path(&path, &paint, &stroke, Transform::identity(), None);
+        }
+    }
+}
+
+fn paint([red, green, blue]: Colour) -> Paint<'static> {
+    let mut paint = Paint::default();
+    paint.set_color_rgba8(red, green, blue, 255);
+    paint
+}
+
+/// The outlines of a line of text.
+fn text_path(
+    face: &Face<'_>,
+    text: &str,
+    [x, y]: [f32; 2],
+    size_px: f32,
+    anchor: Anchor,
+) -> Option<Path> {
+    let scale = size_px / f32::from(face.units_per_em());
+    let glyphs = || text.chars().filter_map(|letter| face.glyph_index(letter));
+    let advance = |glyph| f32::from(face.glyph_hor_advance(glyph).unwrap_or(0)) * scale;
+    let width: f32 = glyphs().map(advance).sum();
+    let x = match anchor {
+        Anchor::Start => x,
+        Anchor::Middle => x - width / 2.0,
+        Anchor::End => x - width,
+    };
+    let mut outline = Outline {
+        path: PathBuilder::new(),
+        origin: [x, y],
+        scale,
+    };
+    for glyph in glyphs() {
+        face.outline_glyph(glyph, &mut outline);
+        outline.origin[0] += advance(glyph);
+    }
+    outline.path.finish()
+}
+
+/// Takes a glyph's outline from font units, y up, to pixels.
+struct Outline {
+    path: PathBuilder,
+    origin: [f32; 2],
+    scale: f32,
+}
+
+impl Outline {
+    fn at(&self, x: f32, y: f32) -> (f32, f32) {
+        (
+            self.origin[0] + x * self.scale,
+            self.origin[1] - y * self.scale,
+        )
+    }
+}
+
+impl OutlineBuilder for Outline {
+    fn move_to(&mut self, x: f32, y: f32) {
+        let (x, y) = self.at(x, y);
+        self.path.move_to(x, y);
+    }
+    fn line_to(&mut self, x: f32, y: f32) {
+        let (x, y) = self.at(x, y);
+        self.path.line_to(x, y);
+    }
+    fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
+        let ((x1, y1), (x, y)) = (self.at(x1, y1), self.at(x, y));
+        self.path.quad_to(x1, y1, x, y);
+    }
+    fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
+        let ((x1, y1), (x2, y2), (x, y)) = (self.at(x1, y1), self.at(x2, y2), self.at(x, y));
+        self.path.cubic_to(x1, y1, x2, y2, x, y);
+    }
+    fn close(&mut self) {
+        self.path.close();
+    }
+}

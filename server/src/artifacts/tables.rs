@@ -1,0 +1,100 @@
+//! A run's figures as JSON types and CSV text.
+
+use std::fmt::Write;
+
+use api::{ClusterCounts, Coverage, Fractions, RunResult, SCHEMA};
+use arenas::Arena;
+use swarm::run::{CurveRow, Outcome};
+
+use super::palette::STEPS;
+
+/// `result.json`.
+pub fn run_result(outcome: &Outcome) -> RunResult {
+    let CurveRow {
+        p1, p2, p5, p10, ..
+    } = outcome.coverage;
+    let share = |count: u32| match outcome.reachable {
+        0 => 0.0,
+        reachable => f64::from(count) / f64::from(reachable),
+    };
+    RunResult {
+        schema: SCHEMA,
+        p1,
+        p2,
+        p5,
+        p10,
+        reachable: outcome.reachable,
+        fractions: Fractions {
+            p1: share(p1),
+            p2: share(p2),
+            p5: share(p5),
+            p10: share(p10),
+        },
+        steps: outcome.robot_steps,
+        collisions: outcome.collisions,
+        clusters: ClusterCounts {
+            sensor: outcome.sensor_clusters,
+            actuator: outcome.actuator_clusters,
+            sensori_motor: outcome.sensori_motor_clusters,
+        },
+        bytes: outcome.bytes,
+        state_sha256: outcome.state_sha256.clone(),
+    }
+}
+
+/// `curve.csv`: one row an epoch.
+pub fn curve_csv(curve: &[CurveRow]) -> String {
+    let mut text = String::from("epoch,p1,p2,p5,p10\n");
+    for CurveRow {
+        epoch,
+        p1,
+        p2,
+        p5,
+        p10,
+    } in curve
+    {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{epoch},{p1},{p2},{p5},{p10}");
+    }
+    text
+}
+
+/// Squares entered at least 1, 2, 5 and 10 times.
+pub fn coverage_counts(visits: &[u32]) -> [u32; STEPS.len()] {
+    std::array::from_fn(|step| {
+        let entered = visits.iter().filter(|&&count| count >= STEPS[step].from);
+        // An arena has at most 1,000 x 1,000 squares.
+        entered.count() as u32
+    })
+}
+
+/// Entries counted a square, as a document.
+pub fn coverage_json(arena: &Arena, visits: &[u32]) -> Coverage {
+    let [p1, p2, p5, p10] = coverage_counts(visits);
+    Coverage {
+        schema: SCHEMA,
+        arena: arena.name().to_owned(),
+        width_m: arena.width_m(),
+        height_m: arena.height_m(),
+        squares: arena.squares(),
+        p1,
+        p2,
+        p5,
+        p10,
+        visits: visits
+            .chunks(arena.squares().max(1) as usize)
+            .map(<[u32]>::to_vec)
+            .collect(),
+    }
+}
+
+/// One line a square that was entered: column, row (0 the lowest y), entries.
+pub fn coverage_csv(visits: &[u32], squares: u32) -> String {
+    let mut text = String::from("column,row,visits\n");
+    let squares = squares.max(1) as usize;
+    for (place, count) in visits.iter().enumerate().filter(|(_, count)| **count > 0) {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{},{},{count}", place % squares, place / squares);
+    }
+    text
+}

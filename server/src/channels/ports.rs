@@ -1,0 +1,233 @@
+//! The publishing end: the transport's ports, owned by the one thread that uses them.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use api::frames::{FrameHeader, RobotState, RootError, frames_service, transport_config};
+use iceoryx2::node::NodeCreationFailure;
+use iceoryx2::port::publisher::{Publisher, PublisherCreateError};
+use iceoryx2::port::update_connections::{ConnectionFailure, UpdateConnections};
+use iceoryx2::port::{LoanError, SendError};
+use iceoryx2::prelude::*;
+use iceoryx2::service::builder::publish_subscribe::PublishSubscribeOpenOrCreateError;
+use iceoryx2::service::port_factory::PortFactory as _;
+use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
+
+use super::slot::{Frame, Slot, Taken};
+
+/// Most readers of one channel at once.
+pub(super) const MAX_SUBSCRIBERS: usize = 8;
+/// Frames that a new reader gets at once.
+pub(super) const HISTORY: usize = 1;
+/// Frames that a reader of a small swarm may lag behind.
+const LARGEST_BUFFER: usize = 16;
+/// Samples that a reader may look at at the same time.
+const BORROWED: usize = 2;
+/// Samples that the publisher fills at the same time.
+const LOANED: usize = 1;
+/// Address space that a channel may take. Memory is used only as far as readers lag behind.
+const LARGEST_CHANNEL_BYTES: usize = 512 << 20;
+/// How long a new reader of a silent channel waits to be noticed.
+const TICK: Duration = Duration::from_millis(50);
+/// Time between two searches for readers that died.
+const CLEAN_UP_EVERY: Duration = Duration::from_secs(1);
+/// Longest wait for another process that is removing a dead one.
+const CLEAN_UP_LIMIT: Duration = Duration::from_millis(500);
+
+/// Why a channel could not be opened.
+#[derive(Debug, thiserror::Error)]
+pub enum ChannelError {
+    /// The configured root path cannot be used.
+    #[error(transparent)]
+    Root(#[from] RootError),
+    /// The root folder cannot be created.
+    #[error("the folder {path} cannot be created: {source}")]
+    Folder {
+        /// The folder.
+        path: String,
+        /// Why not.
+        source: std::io::Error,
+    },
+    /// The run's identifier cannot be part of a service name.
+    #[error("{0:?} cannot be a service's name")]
+    Name(String),
+    /// One frame of so many robots leaves no room for readers.
+    #[error("frames of {robots} robots are too large for a channel")]
+    TooLarge {
+        /// Robots in the run.
+        robots: usize,
+    },
+    /// The transport has no node for this process.
+    #[error("no node: {0:?}")]
+    Node(NodeCreationFailure),
+    /// The service cannot be created.
+    #[error("no service: {0:?}")]
+    Service(PublishSubscribeOpenOrCreateError),
+    /// Another process, or another worker of this one, is at the same run.
+    #[error("another process sends frames of this run")]
+    Taken,
+    /// The service takes no publisher.
+    #[error("no publisher: {0:?}")]
+    Publisher(PublisherCreateError),
+    /// The publishing thread cannot be started.
+    #[error("no publishing thread: {0}")]
+    Thread(std::io::Error),
+    /// The transport gave up inside.
+    #[error("the transport panicked while it opened the channel")]
+    Panicked,
+}
+
+/// Why a frame was not sent. The next one may be.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum FrameError {
+    /// No sample was free.
+    #[error("no sample is free: {0:?}")]
+    Loan(LoanError),
+    /// The sample reached nobody.
+    #[error("not sent: {0:?}")]
+    Send(SendError),
+    /// Readers cannot be looked up.
+    #[error("a reader cannot be connected: {0:?}")]
+    Connect(ConnectionFailure),
+}
+
+/// Frames that a reader may lag behind in a run of so many robots: as many as fit, up to
+/// [`LARGEST_BUFFER`]; `None` when not even one does.
+pub(super) fn subscriber_buffer(robots: usize) -> Option<usize> {
+    let frame_bytes = robots.max(1).checked_mul(size_of::<RobotState>())?;
+    let samples = (LARGEST_CHANNEL_BYTES / frame_bytes).checked_sub(HISTORY + LOANED)?;
+    let buffer = (samples / MAX_SUBSCRIBERS).checked_sub(BORROWED)?;
+    (buffer > 0).then_some(buffer.min(LARGEST_BUFFER))
+}
+
+/// A run's ports. Fields are dropped in this order: publisher, service, node.
+pub(super) struct Ports {
+    publisher: Publisher<ipc::Service, [RobotState], FrameHeader>,
+    service: PortFactory<ipc::Service, [RobotState], FrameHeader>,
+    node: Node<ipc::Service>,
+    sent: u64,
+}
+
+impl Ports {
+    /// Opens the channel `swarm/<run>/frames` under `root`.
+    pub(super) fn open(root: &Path, run_id: &str, robots: usize) -> Result<Self, ChannelError> {
+        let config = transport_config(root)?;
+        let buffer = subscriber_buffer(robots).ok_or(ChannelError::TooLarge { robots })?;
+        create_private_folder(root)?;
+        let name = frames_service(run_id);
+        let name =
+            ServiceName::new(&name).map_err(|_| ChannelError::Name(frames_service(run_id)))?;
+        let node = NodeBuilder::new()
+            .config(&config)
+            .signal_handling_mode(SignalHandlingMode::Disabled)
+            .create::<ipc::Service>()
+            .map_err(ChannelError::Node)?;
+        let service = node
+            .service_builder(&name)
+            .publish_subscribe::<[RobotState]>()
+            .user_header::<FrameHeader>()
+            // Without overflow a reader that died would hold its frames and stop the publisher.
+            .enable_safe_overflow(true)
+            .subscriber_max_buffer_size(buffer)
+            .subscriber_max_borrowed_samples(BORROWED)
+            .history_size(HISTORY)
+            .max_subscribers(MAX_SUBSCRIBERS)
+            // Frames of two processes at the same run would be told apart by nobody.
+            .max_publishers(1)
+            .max_nodes(MAX_SUBSCRIBERS + 2)
+            .open_or_create()
+            .map_err(ChannelError::Service)?;
+        // A server that was killed may still be registered as the publisher.
+        let _ = node.blocking_cleanup_dead_nodes(CLEAN_UP_LIMIT);
+        let publisher = service
+            .publisher_builder()
+            .initial_max_slice_len(robots.max(1))
+            .allocation_strategy(AllocationStrategy::PowerOfTwo)
+            .max_loaned_samples(LOANED)
+            .backpressure_strategy(BackpressureStrategy::DiscardData)
+            .create()
+            .map_err(|error| match error {
+                PublisherCreateError::ExceedsMaxSupportedPublishers => ChannelError::Taken,
+                error => ChannelError::Publisher(error),
+            })?;
+        Ok(Self {
+            publisher,
+            service,
+            node,
+            sent: 0,
+        })
+    }
+
+    /// Sends what comes through the slot until it is closed.
+    pub(super) fn serve(mut self, slot: &Slot) {
+        let mut frame = Frame::default();
+        let mut cleaned_at = Instant::now();
+        let mut complained = false;
+        loop {
+            let done = match slot.take(&mut frame, TICK) {
+                Taken::Fresh => self.send(&mut frame),
+                // A silent channel, of a paused run perhaps, still gives new readers its history.
+                Taken::Nothing => self
+                    .publisher
+                    .update_connections()
+                    .map_err(FrameError::Connect),
+                Taken::Closed => return,
+            };
+            match done {
+                Ok(()) => {}
+                Err(error) if complained => tracing::debug!(%error, "frame lost"),
+                Err(error) => {
+                    complained = true;
+                    tracing::warn!(%error, "a frame was lost; further losses are not reported");
+                }
+            }
+            slot.set_watched(self.service.dynamic_config().number_of_subscribers() > 0);
+            if cleaned_at.elapsed() >= CLEAN_UP_EVERY {
+                let _ = self.node.try_cleanup_dead_nodes();
+                cleaned_at = Instant::now();
+            }
+        }
+    }
+
+    fn send(&mut self, frame: &mut Frame) -> Result<(), FrameError> {
+        frame.header.sequence = self.sent;
+        let sample = self
+            .publisher
+            .loan_slice_uninit(frame.robots.len())
+            .map_err(FrameError::Loan)?;
+        let mut sample = sample.write_from_slice(&frame.robots);
+        *sample.user_header_mut() = frame.header;
+        sample.send().map_err(FrameError::Send)?;
+        self.sent += 1;
+        Ok(())
+    }
+}
+
+/// Creates the root folder, closed to other users if it is new.
+fn create_private_folder(root: &Path) -> Result<(), ChannelError> {
+    let mut builder = std::fs::DirBuilder::new();
+    builder.recursive(true);
+    #[cfg(unix)]
+    std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
+    builder.create(root).map_err(|source| ChannelError::Folder {
+        path: root.display().to_string(),
+        source,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn buffers_shrink_as_swarms_grow() {
+        assert_eq!(subscriber_buffer(0), Some(LARGEST_BUFFER));
+        assert_eq!(subscriber_buffer(1_000), Some(LARGEST_BUFFER));
+        let large = subscriber_buffer(100_000);
+        assert!(
+            large.is_some_and(|frames| (1..LARGEST_BUFFER).contains(&frames)),
+            "{large:?}"
+        );
+        assert_eq!(subscriber_buffer(10_000_000), None);
+    }
+}

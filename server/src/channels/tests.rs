@@ -1,0 +1,395 @@
+//! Channels against real shared memory: each test has a root path, and so a name space, of its own.
+#![allow(clippy::unwrap_used)]
+
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+
+use iceoryx2::port::subscriber::Subscriber;
+use iceoryx2::prelude::*;
+use iceoryx2::sample::Sample;
+use iceoryx2::service::port_factory::publish_subscribe;
+
+use super::*;
+
+type FrameSample = Sample<ipc::Service, [RobotState], FrameHeader>;
+
+/// A temporary root; removes what the transport left behind, in shared memory too.
+struct Root {
+    folder: tempfile::TempDir,
+    settings: ChannelSettings,
+}
+
+impl Root {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let root = folder.path().join("channels");
+        let settings = ChannelSettings {
+            root,
+            ..ChannelSettings::default()
+        };
+        Self { folder, settings }
+    }
+
+    fn shared_memory(&self) -> Vec<PathBuf> {
+        let prefix = transport_config(&self.settings.root)
+            .unwrap()
+            .global
+            .prefix
+            .to_string();
+        let entries = std::fs::read_dir("/dev/shm")
+            .into_iter()
+            .flatten()
+            .flatten();
+        entries
+            .map(|entry| entry.path())
+            .filter(|path| path.to_string_lossy().contains(&prefix))
+            .collect()
+    }
+}
+
+impl Drop for Root {
+    fn drop(&mut self) {
+        for path in self.shared_memory() {
+            let _ = std::fs::remove_file(path);
+        }
+        let _ = std::fs::remove_dir_all(self.folder.path());
+    }
+}
+
+struct Reader {
+    subscriber: Subscriber<ipc::Service, [RobotState], FrameHeader>,
+    service: publish_subscribe::PortFactory<ipc::Service, [RobotState], FrameHeader>,
+    _node: Node<ipc::Service>,
+}
+
+impl Reader {
+    fn open(settings: &ChannelSettings, run_id: &str) -> Self {
+        let node = NodeBuilder::new()
+            .config(&transport_config(&settings.root).unwrap())
+            .signal_handling_mode(SignalHandlingMode::Disabled)
+            .create::<ipc::Service>()
+            .unwrap();
+        let service = node
+            .service_builder(&ServiceName::new(&frames_service(run_id)).unwrap())
+            .publish_subscribe::<[RobotState]>()
+            .user_header::<FrameHeader>()
+            .open()
+            .unwrap();
+        let subscriber = service.subscriber_builder().create().unwrap();
+        Self {
+            subscriber,
+            service,
+            _node: node,
+        }
+    }
+
+    /// The next frame that the condition holds for.
+    fn wait_for(&self, wanted: impl Fn(&FrameSample) -> bool) -> FrameSample {
+        eventually("a frame", || {
+            self.subscriber
+                .receive()
+                .unwrap()
+                .filter(|frame| wanted(frame))
+        })
+    }
+}
+
+/// Asks again and again until there is an answer, for as long as a loaded machine may need.
+fn eventually<T>(what: &str, mut ask: impl FnMut() -> Option<T>) -> T {
+    let started = Instant::now();
+    loop {
+        if let Some(answer) = ask() {
+            return answer;
+        }
+        assert!(
+            started.elapsed() < Duration::from_secs(20),
+            "no {what} came"
+        );
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+/// Robots whose every value tells the robot and the step.
+struct Robots {
+    x_m: Vec<f32>,
+    sensors: Vec<[f32; 8]>,
+    commands: Vec<[f32; 2]>,
+}
+
+impl Robots {
+    fn at(step: u64, count: usize) -> Self {
+        let x_m: Vec<f32> = (0..count)
+            .map(|robot| robot as f32 + step as f32 * 1e-3)
+            .collect();
+        let sensors = x_m.iter().map(|&x| [x; 8]).collect();
+        let commands = x_m.iter().map(|&x| [x, -x]).collect();
+        Self {
+            x_m,
+            sensors,
+            commands,
+        }
+    }
+
+    fn view(&self) -> RobotsView<'_> {
+        RobotsView {
+            x_m: &self.x_m,
+            y_m: &self.x_m,
+            heading_cos: &self.x_m,
+            heading_sin: &self.x_m,
+            sensors: &self.sensors,
+            commands: &self.commands,
+        }
+    }
+}
+
+fn info(step: u64) -> FrameInfo {
+    let progress = Progress {
+        phase: Phase::Exploration,
+        epochs_done: 3,
+        epochs_total: 20,
+        robot_steps_done: 2 * step,
+        robot_steps_total: 1_000_000,
+    };
+    FrameInfo {
+        arena_step: step,
+        progress,
+        step_s: 0.064,
+    }
+}
+
+fn offer(publisher: &mut FramePublisher, step: u64, robots: usize) {
+    publisher.offer_view(&Robots::at(step, robots).view(), &info(step));
+}
+
+#[test]
+fn readers_see_what_was_offered() {
+    let root = Root::new();
+    let mut publisher = FramePublisher::open(&root.settings, "run", 2).unwrap();
+    let reader = Reader::open(&root.settings, "run");
+    offer(&mut publisher, 500, 2);
+    let frame = reader.wait_for(|_| true);
+    let header = frame.user_header();
+    assert_eq!(
+        (header.arena_step, header.robot_steps_done, header.robots),
+        (500, 1000, 2)
+    );
+    assert_eq!(
+        (header.version, header.phase_name()),
+        (FRAMES_VERSION, "exploration")
+    );
+    assert!((header.sim_time_s - 32.0).abs() < 1e-9);
+    let robot = frame.payload()[1];
+    assert_eq!((robot.number, robot.x_m, robot.sensors), (1, 1.5, [1.5; 8]));
+    assert_eq!(robot.commands, [1.5, -1.5]);
+}
+
+#[test]
+fn a_late_reader_of_a_silent_channel_gets_the_last_frame() {
+    let root = Root::new();
+    let mut publisher = FramePublisher::open(&root.settings, "run", 1).unwrap();
+    offer(&mut publisher, 41, 1);
+    std::thread::sleep(Duration::from_millis(200));
+    let reader = Reader::open(&root.settings, "run");
+    assert_eq!(reader.wait_for(|_| true).user_header().arena_step, 41);
+    eventually("watched state", || publisher.slot.watched().then_some(()));
+}
+
+#[test]
+fn the_last_frame_arrives_although_the_channel_closes() {
+    let root = Root::new();
+    let mut publisher = FramePublisher::open(&root.settings, "run", 1).unwrap();
+    let reader = Reader::open(&root.settings, "run");
+    offer(&mut publisher, 1, 1);
+    reader.wait_for(|frame| frame.user_header().arena_step == 1);
+    offer(&mut publisher, 2, 1);
+    drop(publisher);
+    reader.wait_for(|frame| frame.user_header().arena_step == 2);
+}
+
+#[test]
+fn frames_may_outgrow_the_first_length() {
+    let root = Root::new();
+    let mut publisher = FramePublisher::open(&root.settings, "run", 1).unwrap();
+    let reader = Reader::open(&root.settings, "run");
+    for (step, robots) in [(1, 1), (2, 3), (3, 1_000), (4, 20_000), (5, 2)] {
+        offer(&mut publisher, step, robots);
+        let frame = reader.wait_for(|frame| frame.user_header().arena_step == step);
+        assert_eq!(frame.payload().len(), robots);
+        assert_eq!(frame.payload()[robots - 1].number as usize, robots - 1);
+    }
+}
+
+#[test]
+fn two_runs_have_channels_of_their_own() {
+    let root = Root::new();
+    let names = ["first", "second"];
+    let mut publishers = names.map(|name| FramePublisher::open(&root.settings, name, 1).unwrap());
+    let readers = names.map(|name| Reader::open(&root.settings, name));
+    // Long enough that each has searched for dead nodes and must not have found the other.
+    let started = Instant::now();
+    let mut step = 0;
+    while started.elapsed() < CLEAN_UPS {
+        step += 2;
+        for (i, publisher) in (0..).zip(&mut publishers) {
+            offer(publisher, step + i, 1);
+        }
+        for (i, reader) in (0..).zip(&readers) {
+            reader.wait_for(|frame| frame.user_header().arena_step == step + i);
+        }
+    }
+}
+
+#[test]
+fn a_run_has_one_publisher_at_a_time() {
+    let root = Root::new();
+    let first = FramePublisher::open(&root.settings, "run", 1).unwrap();
+    let reader = Reader::open(&root.settings, "run");
+    let error = FramePublisher::open(&root.settings, "run", 1).unwrap_err();
+    assert!(matches!(error, ChannelError::Taken), "{error}");
+    drop(first);
+    // The reader goes on when the run is paused and resumed.
+    let mut second = FramePublisher::open(&root.settings, "run", 1).unwrap();
+    offer(&mut second, 9, 1);
+    reader.wait_for(|frame| frame.user_header().arena_step == 9);
+}
+
+/// Time in which publishers have searched for dead nodes at least twice.
+const CLEAN_UPS: Duration = Duration::from_millis(2_500);
+
+#[test]
+fn frames_are_rationed() {
+    let root = Root::new();
+    let mut publisher = FramePublisher::open(&root.settings, "run", 1).unwrap();
+    assert!(publisher.is_due(), "the first frame is sent at once");
+    offer(&mut publisher, 1, 1);
+    assert!(
+        !publisher.is_due(),
+        "unwatched, one frame a second is enough"
+    );
+    std::thread::sleep(Duration::from_millis(100));
+    assert!(!publisher.is_due());
+    let _reader = Reader::open(&root.settings, "run");
+    eventually("due frame", || publisher.is_due().then_some(()));
+    let copied = |took, before| {
+        Some(Copied {
+            at: Instant::now(),
+            took,
+            before,
+        })
+    };
+    let (long, short) = (Duration::from_secs(10), Duration::from_micros(30));
+    publisher.copied = copied(long, long);
+    std::thread::sleep(Duration::from_millis(50));
+    assert!(!publisher.is_due(), "long copies make frames rarer");
+    publisher.copied = copied(long, short);
+    eventually("due frame", || publisher.is_due().then_some(()));
+}
+
+#[test]
+fn a_channel_that_cannot_be_opened_is_a_warning() {
+    let root = Root::new();
+    std::fs::write(&root.settings.root, "a file, not a folder").unwrap();
+    let error = FramePublisher::open(&root.settings, "run", 1).unwrap_err();
+    assert!(matches!(error, ChannelError::Folder { .. }), "{error}");
+    assert!(FramePublisher::open_or_warn(&root.settings, "run", 1).is_none());
+    let relative = ChannelSettings {
+        root: "channels".into(),
+        ..root.settings.clone()
+    };
+    assert!(FramePublisher::open_or_warn(&relative, "run", 1).is_none());
+    let endless = "x".repeat(5_000);
+    let usable = ChannelSettings {
+        root: root.folder.path().join("ok"),
+        ..root.settings.clone()
+    };
+    assert!(FramePublisher::open_or_warn(&usable, &endless, 1).is_none());
+    assert!(FramePublisher::open_or_warn(&usable, "run", 100_000_000).is_none());
+}
+
+#[test]
+fn descriptions_match_the_channel() {
+    let root = Root::new();
+    let channels = describe(&root.settings, "run", 1).unwrap();
+    let frames = &channels[0];
+    assert_eq!(frames.service, "swarm/run/frames");
+    assert_eq!(Path::new(&frames.root_path), root.settings.root);
+    assert_eq!(frames.payload.size_bytes, size_of::<RobotState>());
+    assert!(
+        describe(&root.settings, "run", 100_000_000)
+            .unwrap()
+            .is_empty()
+    );
+    for (code, &phase) in Phase::ALL.iter().enumerate() {
+        assert_eq!(phase_code(phase) as usize, code);
+        assert_eq!(PHASES[code], phase.name());
+    }
+}
+
+/// Name by which the test below finds itself, and the variable that makes it read.
+const READER: (&str, &str) = (
+    "channels::tests::reader_process",
+    "EVSWARM_TEST_READER_ROOT",
+);
+
+/// Not a test: a reader in a process of its own, which outlives the test that kills it only if
+/// that test itself was killed, and then not for long.
+#[test]
+#[ignore = "started by another test"]
+fn reader_process() {
+    let Some(root) = std::env::var_os(READER.1) else {
+        return;
+    };
+    let reader = Reader::open(
+        &ChannelSettings {
+            root: root.into(),
+            ..ChannelSettings::default()
+        },
+        "run",
+    );
+    let started = Instant::now();
+    while started.elapsed() < Duration::from_secs(60) {
+        let _ = reader.subscriber.receive();
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+fn start_reader_process(root: &Path) -> Child {
+    Command::new(std::env::current_exe().unwrap())
+        .args([READER.0, "--exact", "--ignored", "--nocapture"])
+        .env(READER.1, root)
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap()
+}
+
+#[test]
+fn a_reader_that_is_killed_does_not_hold_up_the_others() {
+    let root = Root::new();
+    let mut publisher = FramePublisher::open(&root.settings, "run", 100).unwrap();
+    let reader = Reader::open(&root.settings, "run");
+    let mut doomed = start_reader_process(&root.settings.root);
+    let readers = || reader.service.dynamic_config().number_of_subscribers();
+    let mut step = 0;
+    let mut slowest = Duration::ZERO;
+    let mut exchange = |publisher: &mut FramePublisher| {
+        step += 1;
+        let started = Instant::now();
+        offer(publisher, step, 100);
+        reader.wait_for(|frame| frame.user_header().arena_step == step);
+        slowest = slowest.max(started.elapsed());
+        slowest
+    };
+    eventually("second reader", || {
+        exchange(&mut publisher);
+        (readers() == 2).then_some(())
+    });
+    doomed.kill().unwrap();
+    doomed.wait().unwrap();
+    // Many times the dead reader's buffer.
+    let slowest = (0..500).map(|_| exchange(&mut publisher)).max().unwrap();
+    assert!(slowest < Duration::from_secs(1), "a frame took {slowest:?}");
+    eventually("clean-up", || {
+        exchange(&mut publisher);
+        (readers() == 1).then_some(())
+    });
+}

@@ -1,0 +1,161 @@
+//! `evswarm arenas` and `evswarm controllers`: what there is to choose from.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, anyhow};
+use api::ParameterListing;
+use arenas::{Arena, SvgOptions};
+use clap::Subcommand;
+use swarm::robot::RobotParameters;
+
+use super::{Failure, output};
+use crate::spec::{self, ArenaSource, BuiltinArenas};
+
+#[derive(Debug, Subcommand)]
+pub enum ArenasCommand {
+    /// List the arenas that ship with the program.
+    List,
+    /// Check an arena file: exit code 2 and one line a wrong field, or 0.
+    Check {
+        /// The arena, a JSON file.
+        file: PathBuf,
+    },
+    /// Draw an arena as SVG.
+    Draw {
+        /// Name of a built-in arena, or an arena file.
+        name: String,
+        /// File to write [default: standard output].
+        #[arg(long, value_name = "FILE")]
+        out: Option<PathBuf>,
+    },
+}
+
+pub fn arenas(command: &ArenasCommand) -> Result<(), Failure> {
+    match command {
+        ArenasCommand::List => {
+            for name in BuiltinArenas.names() {
+                if let Some(arena) = BuiltinArenas.arena(&name) {
+                    output::say(described(&arena))?;
+                }
+            }
+            Ok(())
+        }
+        ArenasCommand::Check { file } => {
+            let arena = load(file)?;
+            let errors = arena.check_starts(body_radius_m());
+            if !errors.is_empty() {
+                return Err(wrong(errors));
+            }
+            output::say(described(&arena))
+        }
+        ArenasCommand::Draw { name, out } => draw(name, out.as_deref()),
+    }
+}
+
+fn draw(name: &str, out: Option<&Path>) -> Result<(), Failure> {
+    let builtin = BuiltinArenas
+        .arena(name)
+        .map(|arena| arena.as_ref().clone());
+    let arena = match builtin {
+        Some(arena) => arena,
+        None if Path::new(name).is_file() => load(Path::new(name))?,
+        None => {
+            let names = BuiltinArenas.names().join(", ");
+            return Err(anyhow!("{name:?} is neither an arena ({names}) nor a file").into());
+        }
+    };
+    let svg = arenas::render_svg(
+        &arena,
+        &SvgOptions {
+            body_radius_m: body_radius_m(),
+            ..SvgOptions::default()
+        },
+    );
+    match out {
+        None => output::say_bytes(svg.as_bytes()),
+        Some(path) => {
+            std::fs::write(path, svg)
+                .with_context(|| format!("cannot write {}", path.display()))?;
+            Ok(())
+        }
+    }
+}
+
+fn load(file: &Path) -> Result<Arena, Failure> {
+    let text =
+        std::fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
+    Arena::from_json(&text).map_err(wrong)
+}
+
+fn wrong(errors: Vec<arenas::ArenaError>) -> Failure {
+    Failure::WrongSpec(errors.into_iter().map(spec::arena_error).collect())
+}
+
+/// Radius of the default robot.
+fn body_radius_m() -> f64 {
+    RobotParameters::default().body_radius_m
+}
+
+fn described(arena: &Arena) -> String {
+    let reachable = arena.starts().first().map_or(0, |start| {
+        arenas::reachable(arena, *start, body_radius_m()).count
+    });
+    let squares = arena.squares();
+    format!(
+        "{:<12} {} m x {} m, {} inner walls, {} starts, {reachable} of {} squares reachable",
+        arena.name(),
+        arena.width_m(),
+        arena.height_m(),
+        arena.walls().len(),
+        arena.starts().len(),
+        u64::from(squares) * u64::from(squares),
+    )
+}
+
+pub fn controllers(json: bool) -> Result<(), Failure> {
+    let listing = spec::controllers();
+    if json {
+        return output::say(serde_json::to_string_pretty(&listing)?);
+    }
+    let mut lines = vec!["methods (controller.method):".to_owned()];
+    for method in &listing.methods {
+        lines.push(format!(
+            "  {:<14} {}; trains: {}",
+            method.name, method.about, method.trains
+        ));
+    }
+    lines.push("\nparameters (controller.*):".to_owned());
+    lines.extend(listing.parameters.iter().map(parameter));
+    lines.push(format!(
+        "\nrobot presets (robot.preset): {}",
+        listing.presets.join(", ")
+    ));
+    lines.push("\nrobot parameters (robot.*), defaults of the first preset:".to_owned());
+    lines.extend(listing.robot_parameters.iter().map(parameter));
+    output::say(lines.join("\n"))
+}
+
+fn parameter(parameter: &ParameterListing) -> String {
+    let ParameterListing {
+        name,
+        default,
+        unit,
+        about,
+        source,
+        domain,
+    } = parameter;
+    let unit = if unit.is_empty() || unit == "1" {
+        String::new()
+    } else {
+        format!(" {unit}")
+    };
+    let range = match (&domain["min"], &domain["max"], domain["names"].as_array()) {
+        (_, _, Some(names)) => names
+            .iter()
+            .filter_map(|name| name.as_str())
+            .collect::<Vec<_>>()
+            .join(" | "),
+        (min, max, None) => format!("{min} to {max}"),
+    };
+    format!("  {name:<30} {default}{unit} ({range})\n      {about} [{source}]")
+}

@@ -1,0 +1,194 @@
+//! The command line: what can be asked of `evswarm`, exit codes and logging.
+
+mod catalog;
+mod checkpoint;
+mod client;
+mod output;
+mod progress;
+mod run;
+
+use std::ffi::OsString;
+use std::io::IsTerminal;
+use std::net::SocketAddr;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use api::FieldError;
+use clap::{CommandFactory, Parser, Subcommand};
+
+use crate::http::ServeOptions;
+
+/// Exit code of anything that went wrong, but for a wrong spec.
+const EXIT_FAILED: u8 = 1;
+/// Exit code of a wrong spec.
+const EXIT_WRONG_SPEC: u8 = 2;
+
+/// Multi-robot swarm simulation: run experiments, serve them, watch them.
+#[derive(Debug, Parser)]
+#[command(name = "evswarm", version, propagate_version = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Run one spec and write its results to a directory.
+    Run(run::RunArguments),
+    /// Start the HTTP service.
+    Serve {
+        /// Address to listen on.
+        #[arg(long, default_value = "127.0.0.1:8080")]
+        listen: SocketAddr,
+        /// Directory of the database, checkpoints and results.
+        #[arg(long, default_value = "evswarm-data")]
+        data: PathBuf,
+        /// Threads that step runs [default: one a processor].
+        #[arg(long, value_parser = threads)]
+        threads: Option<usize>,
+        /// What clients must send as a bearer token; needed to listen beyond this machine.
+        #[arg(long, env = "EVSWARM_TOKEN", hide_env_values = true)]
+        token: Option<String>,
+    },
+    /// Post a job to a service.
+    Submit(client::SubmitArguments),
+    /// Show a job of a service, or its newest jobs.
+    Status(client::StatusArguments),
+    /// Cancel a job of a service.
+    Cancel(client::CancelArguments),
+    /// List, check and draw arenas.
+    #[command(subcommand)]
+    Arenas(catalog::ArenasCommand),
+    /// List methods and parameters, with default, range, unit and source.
+    Controllers {
+        /// As JSON.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Print a completion script for a shell.
+    Completions {
+        /// The shell.
+        shell: clap_complete::Shell,
+    },
+}
+
+/// Why a command did not do what it was asked to.
+#[derive(Debug)]
+enum Failure {
+    /// The spec is wrong, in these fields.
+    WrongSpec(Vec<FieldError>),
+    /// Anything else.
+    Other(anyhow::Error),
+}
+
+impl<E: Into<anyhow::Error>> From<E> for Failure {
+    fn from(error: E) -> Self {
+        Failure::Other(error.into())
+    }
+}
+
+/// Does what the process's arguments ask for.
+pub fn main() -> ExitCode {
+    with_arguments(std::env::args_os())
+}
+
+fn with_arguments(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let arguments = match Arguments::try_parse_from(arguments) {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            // If the message cannot be shown there is nobody to tell.
+            let _ = error.print();
+            return ExitCode::from(if error.use_stderr() { EXIT_FAILED } else { 0 });
+        }
+    };
+    log_to_stderr();
+    match dispatch(arguments.command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure::WrongSpec(errors)) => {
+            for error in &errors {
+                output::complain(error);
+            }
+            ExitCode::from(EXIT_WRONG_SPEC)
+        }
+        Err(Failure::Other(error)) => {
+            output::complain(format_args!("error: {error:#}"));
+            ExitCode::from(EXIT_FAILED)
+        }
+    }
+}
+
+fn dispatch(command: Command) -> Result<(), Failure> {
+    match command {
+        Command::Run(arguments) => run::run(&arguments),
+        Command::Serve {
+            listen,
+            data,
+            threads,
+            token,
+        } => {
+            crate::http::serve(ServeOptions {
+                listen,
+                data,
+                threads,
+                token,
+            })?;
+            Ok(())
+        }
+        Command::Submit(arguments) => client::submit(&arguments),
+        Command::Status(arguments) => client::status(&arguments),
+        Command::Cancel(arguments) => client::cancel(&arguments),
+        Command::Arenas(command) => catalog::arenas(&command),
+        Command::Controllers { json } => catalog::controllers(json),
+        Command::Completions { shell } => {
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Arguments::command(), "evswarm", &mut script);
+            output::say_bytes(&script)
+        }
+    }
+}
+
+/// `RUST_LOG` chooses what is logged; `info` unless it says otherwise.
+fn log_to_stderr() {
+    let filter = tracing_subscriber::EnvFilter::builder()
+        .with_default_directive(tracing::level_filters::LevelFilter::INFO.into())
+        .from_env_lossy();
+    let subscriber = tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr)
+        .with_ansi(std::io::stderr().is_terminal())
+        .with_target(false);
+    // A second call in one process finds the first one's subscriber, which is as good.
+    let _ = subscriber.try_init();
+}
+
+/// A number of threads, 1 to 1,024.
+fn threads(text: &str) -> Result<usize, String> {
+    text.parse()
+        .ok()
+        .filter(|number| (1..=1024).contains(number))
+        .ok_or_else(|| "must be a whole number from 1 to 1024".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_well_formed() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn a_wrong_command_line_is_no_wrong_spec() {
+        let code = |line: &str| with_arguments(line.split(' ').map(OsString::from));
+        assert_eq!(code("evswarm run"), ExitCode::from(EXIT_FAILED));
+        assert_eq!(
+            code("evswarm run spec.json --out d --threads 0"),
+            ExitCode::from(EXIT_FAILED)
+        );
+        assert_eq!(
+            code("evswarm run /no/such/spec.json --out d"),
+            ExitCode::from(EXIT_FAILED)
+        );
+    }
+}

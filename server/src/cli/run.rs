@@ -1,0 +1,277 @@
+//! `evswarm run`: one spec, one directory; can be killed at any time and started again.
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, anyhow};
+use signal_hook::consts::{SIGINT, SIGTERM};
+use swarm::run::{Outcome, Phase, RestoreError, Run};
+
+use super::checkpoint::{Checkpoint, Spent};
+use super::progress::Meter;
+use super::{Failure, output};
+use crate::artifacts::{self, Finished, Timing};
+use crate::channels::{ChannelSettings, FramePublisher};
+use crate::spec::{self, BuiltinArenas, ResolvedRun};
+
+/// Wall time of a block of steps, after which progress is shown, frames are offered and signals are
+/// heard.
+const BLOCK: Duration = Duration::from_millis(10);
+/// Wall time between two checkpoints ...
+const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
+/// ... or, where that is more, so many times what the last one took.
+const CHECKPOINT_SHARE: u32 = 20;
+
+#[derive(Debug, clap::Args)]
+pub struct RunArguments {
+    /// The run spec, a JSON file; - reads standard input.
+    spec: PathBuf,
+    /// Directory to write, which must not exist, be empty or hold this very run.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Threads to use; the result does not depend on it [default: one a processor].
+    #[arg(long, value_parser = super::threads)]
+    threads: Option<usize>,
+}
+
+pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
+    let text = read(&arguments.spec)?;
+    let spec = spec::parse(&text)
+        .and_then(|value| spec::resolve(&value, &BuiltinArenas))
+        .map_err(Failure::WrongSpec)?;
+    let out = &arguments.out;
+    if already_complete(out, &spec)? {
+        return output::say(format_args!(
+            "{} is already complete for this spec",
+            out.display()
+        ));
+    }
+    let checkpoint = Checkpoint::open(out, spec.key())?;
+    // Another process may have finished between the look above and the lock.
+    if already_complete(out, &spec)? {
+        checkpoint.remove();
+        return output::say(format_args!(
+            "{} is already complete for this spec",
+            out.display()
+        ));
+    }
+    if let Some(threads) = arguments.threads {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build_global()
+            .context("cannot set the number of threads")?;
+    }
+    let stop = stop_flag()?;
+
+    let (run, before) = start(&spec, &checkpoint)?;
+    let mut work = Work {
+        run,
+        before,
+        since: Instant::now(),
+        cpu_s: artifacts::process_cpu_s(),
+    };
+    let frames = open_frames(&spec);
+    let Some(outcome) = finish(&mut work, &checkpoint, frames, &stop)? else {
+        return Err(anyhow!("interrupted; the same command goes on from here").into());
+    };
+    let Spent { wall_s, cpu_s } = work.spent();
+    let timing = Timing {
+        wall_s,
+        cpu_s,
+        robot_steps: outcome.robot_steps,
+        threads: rayon::current_num_threads(),
+    };
+    let visits = work.run.visits();
+    let finished = Finished {
+        spec: &spec,
+        outcome: &outcome,
+        curve: work.run.curve(),
+        visits: &visits,
+    };
+    artifacts::write_directory(out, &finished, &timing)?;
+    checkpoint.remove();
+    report(out, &outcome, &timing)
+}
+
+/// A run in progress, with what it has cost.
+struct Work {
+    run: Run,
+    before: Spent,
+    since: Instant,
+    /// Processor time of the process when this work began.
+    cpu_s: f64,
+}
+
+impl Work {
+    fn spent(&self) -> Spent {
+        Spent {
+            wall_s: self.before.wall_s + self.since.elapsed().as_secs_f64(),
+            cpu_s: self.before.cpu_s + artifacts::process_cpu_s() - self.cpu_s,
+        }
+    }
+}
+
+pub(super) fn read(path: &Path) -> anyhow::Result<String> {
+    if path == Path::new("-") {
+        let mut text = String::new();
+        std::io::stdin()
+            .read_to_string(&mut text)
+            .context("cannot read standard input")?;
+        return Ok(text);
+    }
+    std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))
+}
+
+/// Whether `out` holds this run.
+///
+/// # Errors
+/// It holds something else.
+fn already_complete(out: &Path, spec: &ResolvedRun) -> anyhow::Result<bool> {
+    match artifacts::is_complete(out) {
+        Some(written) if written == spec.canonical_json() => Ok(true),
+        Some(_) => Err(anyhow!(
+            "{} holds the result of another spec; name another directory or remove it",
+            out.display()
+        )),
+        None => match std::fs::read_dir(out) {
+            Ok(mut entries) => match entries.next() {
+                None => Ok(false),
+                Some(_) => Err(anyhow!(
+                    "{} is not empty and holds no result; name another directory",
+                    out.display()
+                )),
+            },
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(false),
+            Err(error) => {
+                Err(error).with_context(|| format!("cannot use {} as a directory", out.display()))
+            }
+        },
+    }
+}
+
+/// Set by the first signal to stop; a second one ends the process at once.
+fn stop_flag() -> anyhow::Result<Arc<AtomicBool>> {
+    let stop = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGTERM] {
+        let failed = i32::from(super::EXIT_FAILED);
+        // In this order: the shutdown looks at the flag before the flag is set.
+        signal_hook::flag::register_conditional_shutdown(signal, failed, Arc::clone(&stop))
+            .and_then(|_| signal_hook::flag::register(signal, Arc::clone(&stop)))
+            .context("cannot listen for signals")?;
+    }
+    Ok(stop)
+}
+
+/// The run from its checkpoint, or from the beginning.
+fn start(spec: &ResolvedRun, checkpoint: &Checkpoint) -> Result<(Run, Spent), Failure> {
+    if let Some(saved) = checkpoint.load() {
+        match Run::restore(spec.run_spec(), &saved.snapshot) {
+            Ok(run) => {
+                let progress = run.progress();
+                tracing::info!(
+                    "going on at {} of {} epochs",
+                    progress.epochs_done,
+                    progress.epochs_total
+                );
+                return Ok((run, saved.spent));
+            }
+            Err(RestoreError::Spec(errors)) => return Err(wrong(errors)),
+            Err(error) => tracing::warn!("starting anew: {error}"),
+        }
+    }
+    let run = Run::new(spec.run_spec()).map_err(wrong)?;
+    Ok((run, Spent::default()))
+}
+
+fn wrong(errors: Vec<swarm::spec::FieldError>) -> Failure {
+    Failure::WrongSpec(errors.into_iter().map(spec::field_error).collect())
+}
+
+/// The run's frames for local programs, if its spec asks for them.
+fn open_frames(spec: &ResolvedRun) -> Option<FramePublisher> {
+    if !spec.channels() {
+        return None;
+    }
+    let (key, robots) = (spec.key(), spec.run_spec().robots as usize);
+    let frames = FramePublisher::open_or_warn(&ChannelSettings::default(), &key, robots)?;
+    tracing::info!("frames are on {}", api::frames::frames_service(&key));
+    Some(frames)
+}
+
+/// Steps the run to its end; `None` when stopped on the way, with a checkpoint made.
+fn finish(
+    work: &mut Work,
+    checkpoint: &Checkpoint,
+    mut frames: Option<FramePublisher>,
+    stop: &AtomicBool,
+) -> anyhow::Result<Option<Outcome>> {
+    let progress = work.run.progress();
+    let mut meter = Meter::new(
+        "robot-steps",
+        progress.robot_steps_total,
+        progress.robot_steps_done,
+    );
+    let mut block_steps = 100;
+    let mut saved_at = Instant::now();
+    let mut save_every = CHECKPOINT_EVERY;
+    let outcome = loop {
+        if stop.load(Ordering::SeqCst) {
+            meter.finish();
+            if let Some(frames) = &mut frames {
+                frames.offer_now(&work.run);
+            }
+            checkpoint.save(&work.run.snapshot(), work.spent())?;
+            return Ok(None);
+        }
+        let began = Instant::now();
+        let progress = work.run.advance(block_steps);
+        let pace = BLOCK.as_secs_f64() / began.elapsed().as_secs_f64().max(1e-9);
+        block_steps = ((block_steps as f64 * pace.clamp(0.25, 4.0)) as u64).max(1);
+        let what = format!(
+            "{} {}/{}",
+            progress.phase.name(),
+            progress.epochs_done,
+            progress.epochs_total
+        );
+        meter.show(progress.robot_steps_done, &what);
+        if let Some(frames) = &mut frames {
+            frames.offer(&work.run);
+        }
+        if progress.phase == Phase::Done {
+            if let Some(frames) = &mut frames {
+                frames.offer_now(&work.run);
+            }
+            break work.run.outcome();
+        }
+        if saved_at.elapsed() >= save_every {
+            let began = Instant::now();
+            if let Err(error) = checkpoint.save(&work.run.snapshot(), work.spent()) {
+                tracing::warn!("no checkpoint: {error:#}");
+            }
+            save_every = CHECKPOINT_EVERY.max(began.elapsed() * CHECKPOINT_SHARE);
+            saved_at = Instant::now();
+        }
+    };
+    meter.finish();
+    outcome
+        .map(Some)
+        .ok_or_else(|| anyhow!("the run is done but has no outcome"))
+}
+
+fn report(out: &Path, outcome: &Outcome, timing: &Timing) -> Result<(), Failure> {
+    let coverage = outcome.coverage;
+    output::say(format_args!(
+        "{}: p1 {}, p2 {}, p5 {}, p10 {} of {} reachable squares; {:.1} s, {:.0} robot-steps/s",
+        out.display(),
+        coverage.p1,
+        coverage.p2,
+        coverage.p5,
+        coverage.p10,
+        outcome.reachable,
+        timing.wall_s,
+        outcome.robot_steps as f64 / timing.wall_s.max(1e-9),
+    ))
+}

@@ -1,0 +1,141 @@
+//! `/v1/arenas`: list, upload, show, draw, delete.
+
+use api::{ArenaListing, FieldError};
+use arenas::{Arena, SvgOptions, render_svg};
+use axum::Json;
+use axum::body::Bytes;
+use axum::extract::rejection::BytesRejection;
+use axum::extract::{Path, State};
+use axum::http::header::{CONTENT_TYPE, LOCATION};
+use axum::http::{HeaderMap, StatusCode};
+use axum::response::{IntoResponse, Response};
+use serde_json::json;
+
+use super::App;
+use super::refusal::Refusal;
+use super::request::{json_body, parse};
+use crate::scheduler::StoredArenas;
+use crate::spec::{ArenaSource, BuiltinArenas};
+use crate::store::{ArenaDeletion, StoredArena};
+
+/// Most arenas that are kept.
+const MAX_UPLOADED: u32 = 1_000;
+
+/// `GET /v1/arenas`: those that ship with the program, then uploaded ones by name.
+pub async fn list(State(app): State<App>) -> Result<Response, Refusal> {
+    app.blocking(|app| {
+        let mut items: Vec<ArenaListing> = BuiltinArenas
+            .names()
+            .iter()
+            .filter_map(|name| BuiltinArenas.arena(name))
+            .map(|arena| listing(app, &arena, true))
+            .collect();
+        items.extend(app.store.arenas()?);
+        Ok(Json(json!({ "items": items })).into_response())
+    })
+    .await
+}
+
+/// `POST /v1/arenas`: generated walls are written out. The very same arena again is no error.
+pub async fn create(
+    State(app): State<App>,
+    headers: HeaderMap,
+    body: Result<Bytes, BytesRejection>,
+) -> Result<Response, Refusal> {
+    let body = json_body(&headers, body)?;
+    app.blocking(move |app| {
+        parse(&body)?;
+        let arena = Arena::from_json(&String::from_utf8_lossy(&body)).map_err(|errors| {
+            let told = errors
+                .into_iter()
+                .map(|e| FieldError::new(e.pointer, e.message, e.allowed));
+            Refusal::fields(told.collect())
+        })?;
+        let name = arena.name().to_owned();
+        if BuiltinArenas.arena(&name).is_some() {
+            return Err(Refusal::conflict(format!(
+                "{name} is the name of a built-in arena"
+            )));
+        }
+        let listing = listing(app, &arena, false);
+        let body = text(&arena)?;
+        let stored = StoredArena {
+            name,
+            body,
+            listing,
+        };
+        let is_new = app.store.save_arena(&stored, MAX_UPLOADED)?;
+        let status = if is_new {
+            StatusCode::CREATED
+        } else {
+            StatusCode::OK
+        };
+        let location = [(LOCATION, format!("/v1/arenas/{}", stored.name))];
+        Ok((status, location, Json(stored.listing)).into_response())
+    })
+    .await
+}
+
+/// `GET /v1/arenas/{name}` as JSON, `GET /v1/arenas/{name}.svg` as a drawing.
+pub async fn show(State(app): State<App>, Path(name): Path<String>) -> Result<Response, Refusal> {
+    app.blocking(move |app| {
+        let arenas = StoredArenas::new(&app.store);
+        // Names may hold dots, so an arena called `x.svg` comes before the drawing of `x`.
+        if let Some(arena) = arenas.arena(&name) {
+            return Ok(([(CONTENT_TYPE, "application/json")], text(&arena)?).into_response());
+        }
+        match name
+            .strip_suffix(".svg")
+            .and_then(|name| arenas.arena(name))
+        {
+            Some(arena) => {
+                let svg = render_svg(&arena, &SvgOptions::default());
+                Ok(([(CONTENT_TYPE, "image/svg+xml")], svg).into_response())
+            }
+            None => Err(Refusal::not_found("arena", &name)),
+        }
+    })
+    .await
+}
+
+/// `DELETE /v1/arenas/{name}`: of an uploaded arena that no stored run uses.
+pub async fn delete(
+    State(app): State<App>,
+    Path(name): Path<String>,
+) -> Result<StatusCode, Refusal> {
+    app.blocking(move |app| {
+        if BuiltinArenas.arena(&name).is_some() {
+            return Err(Refusal::conflict("a built-in arena cannot be deleted"));
+        }
+        match app.store.delete_arena(&name)? {
+            ArenaDeletion::Deleted => Ok(StatusCode::NO_CONTENT),
+            ArenaDeletion::Unknown => Err(Refusal::not_found("arena", &name)),
+            ArenaDeletion::InUse { runs } => Err(Refusal::conflict(format!(
+                "{runs} stored runs use this arena; delete their jobs first"
+            ))),
+        }
+    })
+    .await
+}
+
+fn listing(app: &App, arena: &Arena, builtin: bool) -> ArenaListing {
+    let radius_m = SvgOptions::default().body_radius_m;
+    let mask = app.pictures.mask(arena, radius_m);
+    let reachable = mask.map_or(0, |mask| mask.iter().filter(|&&reached| reached).count());
+    ArenaListing {
+        name: arena.name().to_owned(),
+        builtin,
+        width_m: arena.width_m(),
+        height_m: arena.height_m(),
+        walls: arena.walls().len() as u64,
+        starts: arena.starts().len() as u64,
+        squares: arena.squares(),
+        // An arena has at most 1,000 x 1,000 squares.
+        reachable: reachable as u32,
+    }
+}
+
+/// The arena as it would be written.
+fn text(arena: &Arena) -> Result<String, Refusal> {
+    serde_json::to_string(&arena.to_format()).map_err(|error| Refusal::internal(&error))
+}

@@ -1,0 +1,193 @@
+//! Who may ask, and how much at a time: the outermost layer of every route.
+//!
+//! Without a token only programs of this machine get through, and no page of another site that a
+//! browser of this machine shows: neither by its own requests nor by a name rebound to loopback.
+
+use std::net::IpAddr;
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::extract::{Request, State};
+use axum::http::header::{AUTHORIZATION, CONTENT_TYPE, HOST, ORIGIN, WWW_AUTHENTICATE};
+use axum::http::uri::Authority;
+use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode};
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Response};
+use sha2::{Digest, Sha256};
+use tokio::sync::Semaphore;
+
+use super::refusal::Refusal;
+
+/// Requests answered at a time.
+const MAX_CONCURRENT: usize = 128;
+/// Longest time for an answer.
+const TIMEOUT: Duration = Duration::from_secs(60);
+/// Routes that tell nothing of jobs, for which no token is needed.
+const OPEN: [&str; 6] = [
+    "/",
+    "/page.css",
+    "/page.js",
+    "/chart.js",
+    "/health/livez",
+    "/health/readyz",
+];
+
+/// The rules of one listening server.
+#[derive(Clone)]
+pub struct Gate {
+    /// Digest of the token, so that comparing takes the same time for every wrong one.
+    token: Option<[u8; 32]>,
+    places: Arc<Semaphore>,
+}
+
+impl Gate {
+    /// The gate of a server, with a token if it has one.
+    pub fn new(token: Option<&str>) -> Self {
+        Self {
+            token: token.map(digest),
+            places: Arc::new(Semaphore::new(MAX_CONCURRENT)),
+        }
+    }
+
+    fn check(&self, request: &Request) -> Result<(), Refusal> {
+        let headers = request.headers();
+        let host = headers
+            .get(HOST)
+            .and_then(|value| value.to_str().ok())
+            .or_else(|| request.uri().authority().map(Authority::as_str));
+        let Some(host) = host else {
+            return Err(Refusal::bad_request("the header Host is missing"));
+        };
+        if self.token.is_none() && !is_loopback(host) {
+            let detail = "this server answers to localhost and loopback addresses only";
+            return Err(Refusal::new(StatusCode::FORBIDDEN, detail));
+        }
+        let is_read = [Method::GET, Method::HEAD].contains(request.method());
+        if !is_read && !is_same_origin(headers, host) {
+            let detail = "requests that change something may not come from pages of other sites";
+            return Err(Refusal::new(StatusCode::FORBIDDEN, detail));
+        }
+        match self.token {
+            Some(token)
+                if !OPEN.contains(&request.uri().path()) && bearer(headers) != Some(token) =>
+            {
+                let detail = "send the header Authorization: Bearer, with the server's token";
+                Err(Refusal::new(StatusCode::UNAUTHORIZED, detail))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Lets a request through, or refuses it.
+pub async fn guard(State(gate): State<Gate>, request: Request, next: Next) -> Response {
+    let mut response = match gate.check(&request) {
+        Err(refusal) => refusal.into_response(),
+        Ok(()) => match gate.places.try_acquire() {
+            Err(_) => overloaded("too many requests at a time").into_response(),
+            Ok(_place) => match tokio::time::timeout(TIMEOUT, next.run(request)).await {
+                Ok(response) => as_problem(response),
+                Err(_) => overloaded("the answer took too long").into_response(),
+            },
+        },
+    };
+    let status = response.status();
+    let headers = response.headers_mut();
+    if status == StatusCode::UNAUTHORIZED {
+        headers.insert(WWW_AUTHENTICATE, HeaderValue::from_static("Bearer"));
+    }
+    headers.insert(
+        HeaderName::from_static("x-content-type-options"),
+        HeaderValue::from_static("nosniff"),
+    );
+    response
+}
+
+fn overloaded(detail: &str) -> Refusal {
+    Refusal::new(StatusCode::SERVICE_UNAVAILABLE, detail).retry_after_s(1)
+}
+
+/// What axum itself refuses, such as a path that is not UTF-8, in the form of all other refusals.
+fn as_problem(response: Response) -> Response {
+    let status = response.status();
+    let is_problem = response.headers().get(CONTENT_TYPE).is_some_and(|value| {
+        value
+            .as_bytes()
+            .starts_with(api::Problem::MEDIA_TYPE.as_bytes())
+    });
+    if is_problem || !(status.is_client_error() || status.is_server_error()) {
+        return response;
+    }
+    Refusal::new(status, "the request cannot be understood").into_response()
+}
+
+/// Whether a host, with or without a port, names this machine alone.
+fn is_loopback(host: &str) -> bool {
+    let Ok(authority) = host.parse::<Authority>() else {
+        return false;
+    };
+    let name = authority.host();
+    let address = name
+        .strip_prefix('[')
+        .and_then(|name| name.strip_suffix(']'))
+        .unwrap_or(name);
+    name.eq_ignore_ascii_case("localhost")
+        || address
+            .parse::<IpAddr>()
+            .is_ok_and(|address| address.is_loopback())
+}
+
+/// Whether the request comes from no page, or from one that this server sent.
+fn is_same_origin(headers: &HeaderMap, host: &str) -> bool {
+    let Some(origin) = headers.get(ORIGIN) else {
+        return true;
+    };
+    let origin = origin.to_str().unwrap_or_default();
+    let site = origin
+        .strip_prefix("http://")
+        .or_else(|| origin.strip_prefix("https://"));
+    site.is_some_and(|site| site.eq_ignore_ascii_case(host))
+}
+
+fn bearer(headers: &HeaderMap) -> Option<[u8; 32]> {
+    let (scheme, token) = headers.get(AUTHORIZATION)?.to_str().ok()?.split_once(' ')?;
+    scheme
+        .eq_ignore_ascii_case("bearer")
+        .then(|| digest(token.trim()))
+}
+
+fn digest(token: &str) -> [u8; 32] {
+    Sha256::digest(token).into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn loopback_is_known_by_name_and_address() {
+        for host in [
+            "localhost",
+            "LOCALHOST:80",
+            "127.0.0.1:8080",
+            "127.3.2.1",
+            "[::1]:9",
+            "[::1]",
+        ] {
+            assert!(is_loopback(host), "{host}");
+        }
+        let others = [
+            "",
+            "evil.example",
+            "localhost.evil.example",
+            "127.0.0.1.evil.example:80",
+        ];
+        for host in
+            others
+                .into_iter()
+                .chain(["10.0.0.1", "0.0.0.0", "a b", "[::2]", "user@evil.example"])
+        {
+            assert!(!is_loopback(host), "{host}");
+        }
+    }
+}

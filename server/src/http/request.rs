@@ -1,0 +1,168 @@
+//! What routes read from a request: JSON bodies, page queries, idempotency keys.
+
+use api::FieldError;
+use axum::body::Bytes;
+use axum::extract::rejection::BytesRejection;
+use axum::http::header::CONTENT_TYPE;
+use axum::http::{HeaderMap, StatusCode, Uri};
+use serde_json::Value;
+
+use super::refusal::Refusal;
+
+/// Largest body that is read.
+pub const MAX_BODY_BYTES: usize = 4 << 20;
+const MAX_KEY_BYTES: usize = 200;
+const DEFAULT_PAGE: u32 = 50;
+const MAX_PAGE: u32 = 200;
+
+/// The body of a request that must be JSON; not parsed yet, as a large one is work for another
+/// thread.
+///
+/// # Errors
+/// 415 when it is said to be something else than JSON, 413 when it is too large, 400 when the
+/// connection broke off.
+pub fn json_body(
+    headers: &HeaderMap,
+    body: Result<Bytes, BytesRejection>,
+) -> Result<Bytes, Refusal> {
+    if !is_json(headers) {
+        let detail = "send JSON, with the header content-type: application/json";
+        return Err(Refusal::new(StatusCode::UNSUPPORTED_MEDIA_TYPE, detail));
+    }
+    body.map_err(|rejection| match rejection.status() {
+        StatusCode::PAYLOAD_TOO_LARGE => Refusal::new(
+            StatusCode::PAYLOAD_TOO_LARGE,
+            format!("a body has at most {MAX_BODY_BYTES} bytes"),
+        ),
+        _ => Refusal::bad_request("the body broke off"),
+    })
+}
+
+/// The body as JSON.
+///
+/// # Errors
+/// 400 that says where the text stops being JSON.
+pub fn parse(body: &[u8]) -> Result<Value, Refusal> {
+    let not_json = |message: String| {
+        let errors = vec![FieldError::new("", message, "a JSON object")];
+        Refusal::bad_request("the body is not JSON").with_errors(errors)
+    };
+    let text =
+        std::str::from_utf8(body).map_err(|error| not_json(format!("not UTF-8: {error}")))?;
+    crate::spec::parse(text)
+        .map_err(|errors| Refusal::bad_request("the body is not JSON").with_errors(errors))
+}
+
+fn is_json(headers: &HeaderMap) -> bool {
+    let Some(Ok(value)) = headers.get(CONTENT_TYPE).map(|value| value.to_str()) else {
+        return false;
+    };
+    let essence = value
+        .split(';')
+        .next()
+        .unwrap_or_default()
+        .trim()
+        .to_ascii_lowercase();
+    essence == "application/json"
+        || (essence.starts_with("application/") && essence.ends_with("+json"))
+}
+
+/// The header `Idempotency-Key`.
+///
+/// # Errors
+/// 400 when it is empty, too long or not of printable ASCII characters.
+pub fn idempotency_key(headers: &HeaderMap) -> Result<Option<String>, Refusal> {
+    let Some(value) = headers.get("idempotency-key") else {
+        return Ok(None);
+    };
+    match value.to_str() {
+        Ok(key) if (1..=MAX_KEY_BYTES).contains(&key.len()) => Ok(Some(key.to_owned())),
+        _ => Err(Refusal::bad_request(format!(
+            "an Idempotency-Key has 1 to {MAX_KEY_BYTES} printable ASCII characters"
+        ))),
+    }
+}
+
+/// Which page of a list is wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Page {
+    /// Most items.
+    pub limit: u32,
+    /// Where it starts, as an earlier page said.
+    pub cursor: Option<i64>,
+}
+
+/// The query `limit` and `cursor`.
+///
+/// # Errors
+/// 400 when either cannot be used.
+pub fn page(uri: &Uri) -> Result<Page, Refusal> {
+    let mut page = Page {
+        limit: DEFAULT_PAGE,
+        cursor: None,
+    };
+    if let Some(limit) = number(uri, "limit", 1, i64::from(MAX_PAGE))? {
+        page.limit = u32::try_from(limit).unwrap_or(MAX_PAGE);
+    }
+    page.cursor = number(uri, "cursor", 0, i64::MAX)?;
+    Ok(page)
+}
+
+/// A whole number of the query.
+///
+/// # Errors
+/// 400 when it is no number from `min` to `max`.
+pub fn number(uri: &Uri, name: &str, min: i64, max: i64) -> Result<Option<i64>, Refusal> {
+    let pairs = uri
+        .query()
+        .unwrap_or_default()
+        .split('&')
+        .filter_map(|pair| pair.split_once('='));
+    let Some((_, text)) = pairs.into_iter().find(|(key, _)| *key == name) else {
+        return Ok(None);
+    };
+    match text.parse() {
+        Ok(number) if (min..=max).contains(&number) => Ok(Some(number)),
+        _ if max == i64::MAX => Err(Refusal::bad_request(format!(
+            "{name} is not one that an earlier page gave"
+        ))),
+        _ => Err(Refusal::bad_request(format!(
+            "{name} is a whole number from {min} to {max}"
+        ))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn pages_are_read_or_refused() {
+        let read = |text: &str| page(&text.parse().unwrap()).ok();
+        assert_eq!(
+            read("/v1/jobs"),
+            Some(Page {
+                limit: 50,
+                cursor: None
+            })
+        );
+        assert_eq!(
+            read("/v1/jobs?cursor=7&limit=3"),
+            Some(Page {
+                limit: 3,
+                cursor: Some(7)
+            })
+        );
+        for wrong in [
+            "limit=0",
+            "limit=201",
+            "limit=x",
+            "limit=",
+            "cursor=-1",
+            "cursor=1e3",
+        ] {
+            assert_eq!(read(&format!("/v1/jobs?{wrong}")), None, "{wrong}");
+        }
+    }
+}

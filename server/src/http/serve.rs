@@ -1,0 +1,135 @@
+//! The service as a process: data directory, workers, listening socket, and an orderly end.
+
+use std::io::Write;
+use std::net::SocketAddr;
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+use anyhow::{Context, bail};
+use tokio::net::TcpListener;
+use tokio::signal::unix::{SignalKind, signal};
+
+use super::router;
+use crate::channels::ChannelSettings;
+use crate::scheduler::{Scheduler, SchedulerConfig};
+use crate::store::Store;
+
+/// Most runs that may be unfinished.
+const UNFINISHED_LIMIT: u64 = 200_000;
+/// Time that open requests have to end once the service is to stop.
+const GRACE: Duration = Duration::from_secs(3);
+/// Shortest token that is taken for a secret.
+const MIN_TOKEN_BYTES: usize = 16;
+
+/// What a service is started with.
+#[derive(Clone, Debug)]
+pub struct ServeOptions {
+    /// Address to listen on; port 0 takes a free one.
+    pub listen: SocketAddr,
+    /// Directory of the database and the checkpoints.
+    pub data: PathBuf,
+    /// Runs stepped at a time; one a processor when not given.
+    pub threads: Option<usize>,
+    /// What clients must send as a bearer token. Needed to listen beyond loopback.
+    pub token: Option<String>,
+}
+
+/// Serves until SIGINT or SIGTERM, then checkpoints every run.
+///
+/// # Errors
+/// When the address is beyond loopback without a token, when address or data directory are in use
+/// or cannot be used, or when the system refuses threads.
+pub fn serve(options: ServeOptions) -> anyhow::Result<()> {
+    check(&options)?;
+    let store = Arc::new(Store::open(&options.data)?);
+    let workers = options
+        .threads
+        .and_then(NonZeroUsize::new)
+        .or_else(|| std::thread::available_parallelism().ok())
+        .unwrap_or(NonZeroUsize::MIN);
+    let runtime = tokio::runtime::Builder::new_multi_thread()
+        .worker_threads(2)
+        .thread_name("http")
+        .enable_all()
+        .build()
+        .context("cannot start the runtime")?;
+    runtime.block_on(async {
+        let listener = TcpListener::bind(options.listen)
+            .await
+            .with_context(|| format!("cannot listen on {}", options.listen))?;
+        let address = listener.local_addr().context("cannot tell the address")?;
+        let config = SchedulerConfig {
+            workers,
+            unfinished_limit: UNFINISHED_LIMIT,
+            channels: ChannelSettings::default(),
+        };
+        let scheduler = Arc::new(Scheduler::start(Arc::clone(&store), config)?);
+        let stop = stop_signal()?;
+        let routes = router(store, Arc::clone(&scheduler), options.token.as_deref());
+        announce(address);
+        run(listener, routes, stop).await?;
+        tokio::task::spawn_blocking(move || scheduler.shut_down())
+            .await
+            .context("the workers did not end")
+    })
+}
+
+fn check(options: &ServeOptions) -> anyhow::Result<()> {
+    match &options.token {
+        Some(token) if token.len() < MIN_TOKEN_BYTES => {
+            bail!("a token has at least {MIN_TOKEN_BYTES} characters")
+        }
+        None if !options.listen.ip().is_loopback() => bail!(
+            "{} can be reached from other machines: set a token with --token or EVSWARM_TOKEN, \
+             or listen on 127.0.0.1",
+            options.listen
+        ),
+        _ => Ok(()),
+    }
+}
+
+/// Serves until the signal comes, and a little longer for requests that are under way.
+async fn run(
+    listener: TcpListener,
+    routes: axum::Router,
+    stop: impl Future<Output = ()> + Send + 'static,
+) -> anyhow::Result<()> {
+    let (stopping, stopped) = tokio::sync::oneshot::channel::<()>();
+    let server = axum::serve(listener, routes).with_graceful_shutdown(async move {
+        stop.await;
+        tracing::info!("stopping: runs are checkpointed");
+        // The receiver is gone only when the server is.
+        let _ = stopping.send(());
+    });
+    let too_late = async {
+        let _ = stopped.await;
+        tokio::time::sleep(GRACE).await;
+    };
+    tokio::select! {
+        served = server => served.context("the server failed"),
+        () = too_late => {
+            tracing::warn!("requests were still open");
+            Ok(())
+        }
+    }
+}
+
+/// Completes at the first SIGINT or SIGTERM.
+fn stop_signal() -> anyhow::Result<impl Future<Output = ()> + Send + 'static> {
+    let mut interrupt = signal(SignalKind::interrupt()).context("cannot handle SIGINT")?;
+    let mut terminate = signal(SignalKind::terminate()).context("cannot handle SIGTERM")?;
+    Ok(async move {
+        tokio::select! {
+            _ = interrupt.recv() => {}
+            _ = terminate.recv() => {}
+        }
+    })
+}
+
+/// Where the page is, on standard output: for people, and for programs that asked for port 0.
+fn announce(address: SocketAddr) {
+    // Without a standard output there is nobody to tell.
+    let _ = writeln!(std::io::stdout(), "evswarm listens on http://{address}/");
+}

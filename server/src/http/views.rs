@@ -1,0 +1,115 @@
+//! Stored jobs and runs, with what workers know of them right now, as the service shows them.
+
+use api::{Job, Progress, RunSummary, State};
+
+use crate::scheduler::{Scheduler, View};
+use crate::store::{JobView, Position, RunState, RunView};
+
+/// A job, with the progress of its running runs.
+pub fn job(view: &JobView, scheduler: &Scheduler) -> Job {
+    let (mut done, mut total) = (view.robot_steps_done, view.robot_steps_total);
+    let mut left = view.robot_steps_left;
+    let mut speed = 0.0;
+    let mut slowest_s: f64 = 0.0;
+    for run in &view.running {
+        let live = scheduler.view(run.seq);
+        let (run_done, run_total) = match &live {
+            Some(live) => (
+                live.progress.robot_steps_done,
+                live.progress.robot_steps_total,
+            ),
+            None => (run.robot_steps_done, run.robot_steps_total),
+        };
+        done += run_done;
+        total += run_total;
+        left += run_total.saturating_sub(run_done);
+        if let Some(live) = live {
+            speed += live.robot_steps_per_s.unwrap_or(0.0);
+            slowest_s = slowest_s.max(live.eta_s().unwrap_or(0.0));
+        }
+    }
+    let state = view.intent.job_state(&view.counts);
+    let moves = state == State::Running && speed > 0.0;
+    Job {
+        id: view.seq.to_string(),
+        name: view.name.clone(),
+        state,
+        created_at: view.created_at.clone(),
+        runs: view.counts,
+        progress: share(done, total),
+        // The last runs leave threads idle: the job takes at least as long as its slowest run.
+        eta_s: moves.then(|| (left as f64 / speed).max(slowest_s)),
+        robot_steps_per_s: moves.then_some(speed),
+    }
+}
+
+/// A run, with its live progress when a worker holds it.
+pub fn run(view: &RunView, scheduler: &Scheduler) -> RunSummary {
+    let progress = match &view.state {
+        RunState::Running => scheduler.view(view.seq).map(|live| live_progress(&live)),
+        RunState::Queued(position) | RunState::Paused(position) => position
+            .as_ref()
+            .map(|position| stored_progress(position, view)),
+        RunState::Done => Some(Progress {
+            phase: "done".to_owned(),
+            epochs_done: view.epochs_total,
+            epochs_total: view.epochs_total,
+            robot_steps_done: view.robot_steps_total,
+            robot_steps_total: view.robot_steps_total,
+            fraction: 1.0,
+            eta_s: None,
+            robot_steps_per_s: None,
+        }),
+        RunState::Failed { .. } | RunState::Cancelled => None,
+    };
+    RunSummary {
+        id: view.id.clone(),
+        job_id: view.job.to_string(),
+        index: view.ordinal,
+        seed: view.seed,
+        arena: view.arena.clone(),
+        method: view.method.clone(),
+        state: view.state.state(),
+        progress,
+        result: view.result.clone(),
+        error: match &view.state {
+            RunState::Failed { reason } => Some(reason.clone()),
+            _ => None,
+        },
+    }
+}
+
+fn live_progress(live: &View) -> Progress {
+    let progress = &live.progress;
+    Progress {
+        phase: progress.phase.name().to_owned(),
+        epochs_done: progress.epochs_done,
+        epochs_total: progress.epochs_total,
+        robot_steps_done: progress.robot_steps_done,
+        robot_steps_total: progress.robot_steps_total,
+        fraction: share(progress.robot_steps_done, progress.robot_steps_total),
+        eta_s: live.eta_s(),
+        robot_steps_per_s: live.robot_steps_per_s,
+    }
+}
+
+fn stored_progress(position: &Position, view: &RunView) -> Progress {
+    Progress {
+        phase: position.phase.clone(),
+        epochs_done: position.epochs_done,
+        epochs_total: view.epochs_total,
+        robot_steps_done: position.robot_steps_done,
+        robot_steps_total: view.robot_steps_total,
+        fraction: share(position.robot_steps_done, view.robot_steps_total),
+        eta_s: None,
+        robot_steps_per_s: None,
+    }
+}
+
+fn share(done: u64, total: u64) -> f64 {
+    if total == 0 {
+        0.0
+    } else {
+        (done as f64 / total as f64).min(1.0)
+    }
+}

@@ -1,0 +1,11 @@
+//! The `evswarm` program as a library: command line, run specs, artifacts, service, channels.
+//!
+//! Nothing in here does simulation arithmetic; that is `swarm`'s.
+
+pub mod artifacts;
+pub mod channels;
+pub mod cli;
+pub mod http;
+pub mod scheduler;
+pub mod spec;
+pub mod store;

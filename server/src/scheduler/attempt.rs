@@ -1,0 +1,212 @@
+//! One worker with one run: from its checkpoint or its beginning, in blocks of steps, to its end or
+//! until it is asked to let go. Blocks are sized by time, which never changes what a run computes.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use api::FieldError;
+use swarm::run::{Phase, Progress, Run};
+
+use super::live::{LiveRun, Speed, View, coverage_of};
+use super::pace::Pace;
+use crate::artifacts::run_result;
+use crate::channels::{ChannelSettings, FramePublisher};
+use crate::spec::{ResolvedRun, parse, resolve};
+use crate::store::{Checkpoint, ClaimedRun, Finished, Position, Store};
+
+/// How long a block of steps should take: short enough for frames and for a prompt stop.
+const BLOCK: Duration = Duration::from_millis(10);
+/// Least time between two views of a run, and the rest after one in multiples of what it took.
+const VIEW: (Duration, u32) = (Duration::from_millis(200), 200);
+/// The same for checkpoints.
+const CHECKPOINT: (Duration, u32) = (Duration::from_secs(2), 100);
+
+/// How an attempt ended.
+pub enum Ended {
+    /// The run is done.
+    Finished(Box<Finished>),
+    /// The worker was asked to let go.
+    Stopped(Box<Run>),
+    /// The run cannot go on.
+    Failed(String),
+}
+
+/// Steps a run until it ends or is asked to stop. May panic where the simulation does.
+pub fn attempt(
+    store: &Arc<Store>,
+    channels: &ChannelSettings,
+    claimed: &ClaimedRun,
+    live: &LiveRun,
+) -> Ended {
+    let resolved = match stored_spec(store, &claimed.spec) {
+        Ok(resolved) => resolved,
+        Err(errors) => return Ended::Failed(spec_failure(errors)),
+    };
+    let mut run = match open(store, &claimed.id, &resolved) {
+        Ok(run) => run,
+        Err(errors) => return Ended::Failed(spec_failure(errors)),
+    };
+    let robots = resolved.run_spec().robots as usize;
+    let mut frames = resolved
+        .channels()
+        .then(|| FramePublisher::open_or_warn(channels, &claimed.id, robots))
+        .flatten();
+    let mut progress = run.progress();
+    let mut speed = Speed::new(progress.robot_steps_done);
+    let mut views = Pace::new(VIEW.0, VIEW.1, Duration::ZERO);
+    let mut checkpoints = Pace::new(CHECKPOINT.0, CHECKPOINT.1, CHECKPOINT.0);
+    let mut block = Block::default();
+    while progress.phase != Phase::Done && !live.is_stopping() {
+        progress = block.advance(&mut run);
+        if let Some(frames) = &mut frames {
+            frames.offer(&run);
+        }
+        views.when_due(|| {
+            let robot_steps_per_s = speed.update(Instant::now(), progress.robot_steps_done);
+            live.publish(View {
+                progress,
+                robot_steps_per_s,
+                coverage: coverage_of(&run),
+            });
+        });
+        checkpoints.when_due(|| save(store, &claimed.id, &run));
+    }
+    if let Some(frames) = &mut frames {
+        frames.offer_now(&run);
+    }
+    match run.outcome() {
+        Some(outcome) => {
+            let result = run_result(&outcome);
+            Ended::Finished(Box::new(Finished {
+                result,
+                coverage: coverage_of(&run),
+            }))
+        }
+        None => Ended::Stopped(Box::new(run)),
+    }
+}
+
+/// Stores the position and the checkpoint of a run that is let go, unless it is not wanted any more.
+pub fn park(store: &Store, claimed: &ClaimedRun, run: &Run) {
+    let Progress {
+        phase,
+        epochs_done,
+        robot_steps_done,
+        robot_steps_total,
+        ..
+    } = run.progress();
+    let position = Position {
+        phase: phase.name().to_owned(),
+        epochs_done,
+        robot_steps_done,
+    };
+    match store.park(claimed.seq, &position, robot_steps_total) {
+        Ok(true) => save(store, &claimed.id, run),
+        Ok(false) => store.checkpoints().remove(&claimed.id),
+        Err(error) => {
+            tracing::error!(run = claimed.id, %error, "the run's position cannot be stored");
+            save(store, &claimed.id, run);
+        }
+    }
+}
+
+/// A run without a checkpoint starts again after a crash, with the same result: a warning will do.
+fn save(store: &Store, id: &str, run: &Run) {
+    let checkpoint = Checkpoint {
+        coverage: coverage_of(run),
+        snapshot: run.snapshot(),
+    };
+    if let Err(error) = store.checkpoints().write(id, &checkpoint) {
+        tracing::warn!(run = id, %error, "the checkpoint cannot be written");
+    }
+}
+
+fn stored_spec(store: &Arc<Store>, spec: &str) -> Result<ResolvedRun, Vec<FieldError>> {
+    resolve(&parse(spec)?, &super::StoredArenas::new(store))
+}
+
+/// The run at its checkpoint; at its beginning when there is none that can be used.
+fn open(store: &Store, id: &str, resolved: &ResolvedRun) -> Result<Run, Vec<FieldError>> {
+    let restored = match store.checkpoints().read(id) {
+        Ok(None) => None,
+        Ok(Some(checkpoint)) => Run::restore(resolved.run_spec(), &checkpoint.snapshot)
+            .map_err(|error| warn_discarded(id, &error))
+            .ok(),
+        Err(error) => {
+            warn_discarded(id, &error);
+            None
+        }
+    };
+    if let Some(run) = restored {
+        return Ok(run);
+    }
+    store.checkpoints().remove(id);
+    Run::new(resolved.run_spec()).map_err(|errors| {
+        errors
+            .into_iter()
+            .map(|e| FieldError::new(e.pointer, e.message, e.allowed))
+            .collect()
+    })
+}
+
+fn warn_discarded(id: &str, error: &dyn std::fmt::Display) {
+    tracing::warn!(run = id, %error, "the checkpoint is discarded; the run starts again");
+}
+
+fn spec_failure(errors: Vec<FieldError>) -> String {
+    let errors: Vec<String> = errors.iter().map(ToString::to_string).collect();
+    format!("the spec cannot be run: {}", errors.join("; "))
+}
+
+/// A number of steps that is kept at about [`BLOCK`] of wall time.
+#[derive(Debug)]
+struct Block {
+    steps: u64,
+}
+
+impl Default for Block {
+    fn default() -> Self {
+        Self { steps: 1 }
+    }
+}
+
+impl Block {
+    fn advance(&mut self, run: &mut Run) -> Progress {
+        let start = Instant::now();
+        let progress = run.advance(self.steps);
+        self.resize(start.elapsed());
+        progress
+    }
+
+    /// At most doubles or halves, so that one odd block does not lead to a long one.
+    fn resize(&mut self, took: Duration) {
+        let factor = BLOCK.as_secs_f64() / took.as_secs_f64().max(1e-9);
+        self.steps = ((self.steps as f64 * factor.clamp(0.5, 2.0)) as u64).max(1);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_settle_at_their_time() {
+        for step in [
+            Duration::from_nanos(150),
+            Duration::from_micros(40),
+            Duration::from_secs(1),
+        ] {
+            let mut block = Block::default();
+            for _ in 0..60 {
+                block.resize(step * u32::try_from(block.steps).unwrap_or(u32::MAX));
+            }
+            let wanted = (BLOCK.as_secs_f64() / step.as_secs_f64()).max(1.0);
+            let ratio = block.steps as f64 / wanted;
+            assert!(
+                (0.5..=2.0).contains(&ratio),
+                "{step:?}: {} steps",
+                block.steps
+            );
+        }
+    }
+}

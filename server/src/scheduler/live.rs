@@ -1,0 +1,149 @@
+//! What the rest of the program sees of a run while a worker steps it: the latest view, and a flag
+//! to stop it by.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+
+use swarm::run::{Progress, Run};
+
+use crate::store::Coverage;
+
+/// A run at one moment.
+#[derive(Clone, Debug)]
+pub struct View {
+    /// How far it is.
+    pub progress: Progress,
+    /// Speed over about the last [`MEMORY_S`] seconds; `None` until it is known.
+    pub robot_steps_per_s: Option<f64>,
+    /// What it has covered.
+    pub coverage: Coverage,
+}
+
+impl View {
+    /// Seconds left at this speed.
+    pub fn eta_s(&self) -> Option<f64> {
+        let Progress {
+            robot_steps_done,
+            robot_steps_total,
+            ..
+        } = self.progress;
+        let left = robot_steps_total.saturating_sub(robot_steps_done);
+        self.robot_steps_per_s.map(|speed| left as f64 / speed)
+    }
+}
+
+/// What a run has covered right now.
+pub fn coverage_of(run: &Run) -> Coverage {
+    Coverage {
+        curve: run.curve().to_vec(),
+        visits: run.visits(),
+        dwell: run.dwell(),
+    }
+}
+
+/// A run in the hands of a worker.
+#[derive(Debug, Default)]
+pub struct LiveRun {
+    stop: AtomicBool,
+    view: Mutex<Option<Arc<View>>>,
+}
+
+impl LiveRun {
+    /// Asks the worker to let go of the run after the present block of steps.
+    pub fn stop(&self) {
+        self.stop.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether the worker was asked to let go.
+    pub fn is_stopping(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    /// The latest view; `None` before the first.
+    pub fn view(&self) -> Option<Arc<View>> {
+        self.view
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clone()
+    }
+
+    /// Replaces the view.
+    pub fn publish(&self, view: View) {
+        let view = Some(Arc::new(view));
+        *self.view.lock().unwrap_or_else(PoisonError::into_inner) = view;
+    }
+}
+
+/// Time over which a speed is averaged, in seconds.
+pub const MEMORY_S: f64 = 5.0;
+
+/// Shortest time that a speed is measured over, in seconds.
+const SAMPLE_S: f64 = 0.1;
+
+/// Robot-steps a second as an exponential average over [`MEMORY_S`].
+#[derive(Debug)]
+pub struct Speed {
+    at: Instant,
+    robot_steps_done: u64,
+    average: Option<f64>,
+}
+
+impl Speed {
+    /// Starts to measure at this many robot-steps.
+    pub fn new(robot_steps_done: u64) -> Self {
+        Self {
+            at: Instant::now(),
+            robot_steps_done,
+            average: None,
+        }
+    }
+
+    /// Takes in how far the run is now. Returns the speed, `None` until there is one above zero.
+    pub fn update(&mut self, now: Instant, robot_steps_done: u64) -> Option<f64> {
+        let elapsed_s = now.saturating_duration_since(self.at).as_secs_f64();
+        let steps = robot_steps_done.saturating_sub(self.robot_steps_done);
+        if elapsed_s >= SAMPLE_S && steps > 0 {
+            let speed = steps as f64 / elapsed_s;
+            let weight = 1.0 - (-elapsed_s / MEMORY_S).exp();
+            let average = self
+                .average
+                .map_or(speed, |old| old + weight * (speed - old));
+            *self = Self {
+                at: now,
+                robot_steps_done,
+                average: Some(average),
+            };
+        }
+        self.average
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use std::time::Duration;
+
+    use super::*;
+
+    #[test]
+    fn speed_follows_the_run() {
+        let mut speed = Speed::new(1_000);
+        let start = speed.at;
+        assert_eq!(speed.update(start + Duration::from_secs(1), 1_000), None);
+        assert_eq!(
+            speed.update(start + Duration::from_secs(2), 3_000),
+            Some(1_000.0)
+        );
+        for second in 3..60 {
+            speed.update(
+                start + Duration::from_secs(second),
+                3_000 + (second - 2) * 500,
+            );
+        }
+        let settled = speed
+            .update(start + Duration::from_secs(60), 3_000 + 58 * 500)
+            .unwrap();
+        assert!((settled - 500.0).abs() < 1.0, "{settled}");
+    }
+}

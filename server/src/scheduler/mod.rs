@@ -1,0 +1,334 @@
+//! Runs on worker threads, one run a thread at a time; jobs take turns.
+//!
+//! What is wanted of a run stands in the store; a worker that holds the run is told to look there.
+
+mod arenas;
+mod attempt;
+mod live;
+mod pace;
+mod queue;
+mod submission;
+#[cfg(test)]
+mod tests;
+
+use std::any::Any;
+use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use crate::channels::ChannelSettings;
+use crate::store::{
+    ClaimedRun, CreateJobError, Created, Intent, JobSeq, NewJob, RunSeq, StoppedRun, Store,
+    StoreError,
+};
+pub use arenas::StoredArenas;
+use attempt::Ended;
+use live::LiveRun;
+pub use live::View;
+use queue::FairQueue;
+pub use submission::new_job;
+
+/// Time between two tries to store what must be stored, when the database fails.
+const RETRY: Duration = Duration::from_secs(2);
+
+/// How a scheduler works.
+#[derive(Clone, Debug)]
+pub struct SchedulerConfig {
+    /// Runs stepped at a time.
+    pub workers: NonZeroUsize,
+    /// Most runs that may be unfinished before jobs are refused.
+    pub unfinished_limit: u64,
+    /// Where runs that ask for it show their frames.
+    pub channels: ChannelSettings,
+}
+
+/// The workers and what waits for them.
+pub struct Scheduler {
+    shared: Arc<Shared>,
+    workers: Mutex<Vec<JoinHandle<()>>>,
+    /// Held while store and queue are changed together, so that both see changes in one order.
+    changing: Mutex<()>,
+}
+
+struct Shared {
+    store: Arc<Store>,
+    config: SchedulerConfig,
+    state: Mutex<State>,
+    changed: Condvar,
+}
+
+#[derive(Default)]
+struct State {
+    queue: FairQueue,
+    live: BTreeMap<RunSeq, Arc<LiveRun>>,
+    stopping: bool,
+}
+
+impl Scheduler {
+    /// Takes up what an earlier process left and starts the workers.
+    ///
+    /// # Errors
+    /// When the store fails or a thread cannot be started.
+    pub fn start(store: Arc<Store>, config: SchedulerConfig) -> Result<Self, StoreError> {
+        let mut state = State::default();
+        for (job, run) in store.recover()? {
+            state.queue.push(job, run);
+        }
+        let workers = config.workers.get();
+        let shared = Arc::new(Shared {
+            store,
+            config,
+            state: Mutex::new(state),
+            changed: Condvar::new(),
+        });
+        let scheduler = Self {
+            shared,
+            workers: Mutex::default(),
+            changing: Mutex::default(),
+        };
+        for number in 0..workers {
+            let shared = Arc::clone(&scheduler.shared);
+            let worker = std::thread::Builder::new()
+                .name(format!("worker-{number}"))
+                .spawn(move || shared.work())
+                .map_err(|source| StoreError::Thread { source })?;
+            scheduler.workers().push(worker);
+        }
+        Ok(scheduler)
+    }
+
+    /// Stores a job and queues its runs; see [`Store::create_job`].
+    ///
+    /// # Errors
+    /// As there; the queue holds as many runs as the scheduler was configured for.
+    pub fn submit(&self, job: &NewJob) -> Result<Created, CreateJobError> {
+        let _changing = self.changing();
+        let created = self
+            .shared
+            .store
+            .create_job(job, self.shared.config.unfinished_limit)?;
+        if let Created::New(seq, waiting) = &created {
+            self.shared.state().queue.set(*seq, waiting.clone());
+            self.shared.changed.notify_all();
+        }
+        Ok(created)
+    }
+
+    /// Changes what is wanted of a job and tells the workers.
+    ///
+    /// # Errors
+    /// When the store fails.
+    pub fn set_intent(&self, job: JobSeq, intent: Intent) -> Result<(), StoreError> {
+        let _changing = self.changing();
+        let store = &self.shared.store;
+        let changed = store.set_intent(job, intent)?;
+        if intent == Intent::Active {
+            let waiting = store.waiting(job)?;
+            self.shared.state().queue.set(job, waiting);
+            self.shared.changed.notify_all();
+        } else {
+            self.shared.state().queue.remove(job);
+            self.shared.let_go(&changed, intent == Intent::Cancelled);
+        }
+        Ok(())
+    }
+
+    /// Deletes a job with what only it has, and tells the workers.
+    ///
+    /// # Errors
+    /// When the store fails.
+    pub fn delete(&self, job: JobSeq) -> Result<(), StoreError> {
+        let _changing = self.changing();
+        let gone = self.shared.store.delete_job(job)?;
+        self.shared.state().queue.remove(job);
+        self.shared.let_go(&gone, true);
+        Ok(())
+    }
+
+    /// Cancels one run. Returns whether it was unfinished.
+    ///
+    /// # Errors
+    /// When the store fails.
+    pub fn cancel_run(&self, run: RunSeq) -> Result<bool, StoreError> {
+        let cancelled = self.shared.store.cancel_run(run)?;
+        self.shared.let_go(cancelled.as_slice(), true);
+        Ok(cancelled.is_some())
+    }
+
+    /// The latest view of a run that a worker holds.
+    pub fn view(&self, run: RunSeq) -> Option<Arc<View>> {
+        self.shared.state().live.get(&run)?.view()
+    }
+
+    /// The channels' settings.
+    pub fn channels(&self) -> &ChannelSettings {
+        &self.shared.config.channels
+    }
+
+    /// Lets go of every run, with a checkpoint, and ends the workers. Blocks until they have ended.
+    pub fn shut_down(&self) {
+        {
+            let mut state = self.shared.state();
+            state.stopping = true;
+            state.live.values().for_each(|live| live.stop());
+        }
+        self.shared.changed.notify_all();
+        let workers = std::mem::take(&mut *self.workers());
+        for worker in workers {
+            if worker.join().is_err() {
+                tracing::error!("a worker had panicked");
+            }
+        }
+    }
+
+    fn changing(&self) -> MutexGuard<'_, ()> {
+        self.changing.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn workers(&self) -> MutexGuard<'_, Vec<JoinHandle<()>>> {
+        self.workers.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Drop for Scheduler {
+    fn drop(&mut self) {
+        self.shut_down();
+    }
+}
+
+impl Shared {
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Tells workers to look at what became of these runs. Checkpoints of runs that are dropped and
+    /// that no worker holds are removed here; the others by their workers.
+    fn let_go(&self, runs: &[StoppedRun], dropped: bool) {
+        for run in runs {
+            let live = self.state().live.get(&run.seq).cloned();
+            match live {
+                Some(live) => live.stop(),
+                None if dropped && !self.is_wanted(run.seq) => {
+                    self.store.checkpoints().remove(&run.id);
+                }
+                None => {}
+            }
+        }
+    }
+
+    fn is_wanted(&self, run: RunSeq) -> bool {
+        self.store.is_unfinished(run).unwrap_or(true)
+    }
+
+    fn work(&self) {
+        while let Some((claimed, live)) = self.next() {
+            self.step(&claimed, &live);
+            self.release(claimed.seq);
+        }
+    }
+
+    /// Waits for a run and claims it; `None` at the end.
+    fn next(&self) -> Option<(ClaimedRun, Arc<LiveRun>)> {
+        loop {
+            let (job, run, live) = self.take()?;
+            match self.store.claim(run) {
+                Ok(Some(claimed)) => return Some((claimed, live)),
+                Ok(None) => self.release(run),
+                Err(error) => {
+                    tracing::error!(%error, "a run cannot be claimed; trying again");
+                    self.state().queue.push_front(job, run);
+                    self.release(run);
+                    self.pause(RETRY);
+                }
+            }
+        }
+    }
+
+    /// Waits for a run in the queue and reserves it, so that whoever changes it finds who to tell.
+    fn take(&self) -> Option<(JobSeq, RunSeq, Arc<LiveRun>)> {
+        let mut guard = self.state();
+        loop {
+            let state = &mut *guard;
+            if state.stopping {
+                return None;
+            }
+            if let Some((job, run)) = state.queue.pop(|run| !state.live.contains_key(&run)) {
+                let live = Arc::new(LiveRun::default());
+                state.live.insert(run, Arc::clone(&live));
+                return Some((job, run, live));
+            }
+            guard = self
+                .changed
+                .wait(guard)
+                .unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    fn release(&self, run: RunSeq) {
+        self.state().live.remove(&run);
+        self.changed.notify_all();
+    }
+
+    /// Steps a claimed run and stores what became of it.
+    fn step(&self, claimed: &ClaimedRun, live: &LiveRun) {
+        let stepping = AssertUnwindSafe(|| {
+            attempt::attempt(&self.store, &self.config.channels, claimed, live)
+        });
+        let ended = catch_unwind(stepping).unwrap_or_else(|panic| Ended::Failed(said(&*panic)));
+        match ended {
+            Ended::Finished(finished) => {
+                self.persist(&claimed.id, || {
+                    self.store.finish(claimed.seq, &finished).map(drop)
+                });
+            }
+            Ended::Failed(reason) => {
+                tracing::error!(run = claimed.id, reason, "the run failed");
+                self.persist(&claimed.id, || self.store.fail(claimed.seq, &reason));
+            }
+            Ended::Stopped(run) => {
+                let parking = AssertUnwindSafe(|| attempt::park(&self.store, claimed, &run));
+                if let Err(panic) = catch_unwind(parking) {
+                    let reason = said(&*panic);
+                    self.persist(&claimed.id, || self.store.fail(claimed.seq, &reason));
+                }
+            }
+        }
+    }
+
+    /// Stores the end of a run, and tries again until the database takes it or the process ends: the
+    /// run then starts again from its checkpoint.
+    fn persist(&self, id: &str, store: impl Fn() -> Result<(), StoreError>) {
+        while let Err(error) = store() {
+            tracing::error!(run = id, %error, "the end of the run cannot be stored; trying again");
+            if self.pause(RETRY) {
+                return;
+            }
+        }
+        self.store.checkpoints().remove(id);
+    }
+
+    /// Waits, and returns whether the workers are to end.
+    fn pause(&self, time: Duration) -> bool {
+        let running = |state: &mut State| !state.stopping;
+        let (state, _) = self
+            .changed
+            .wait_timeout_while(self.state(), time, running)
+            .unwrap_or_else(PoisonError::into_inner);
+        state.stopping
+    }
+}
+
+/// What a panic said.
+fn said(panic: &(dyn Any + Send)) -> String {
+    let text = panic
+        .downcast_ref::<&str>()
+        .map(|text| (*text).to_owned())
+        .or_else(|| panic.downcast_ref::<String>().cloned());
+    format!(
+        "the simulation panicked: {}",
+        text.as_deref().unwrap_or("without a message")
+    )
+}

@@ -1,0 +1,190 @@
+//! Runs on workers end as they do alone, whatever happens to them on the way.
+#![allow(clippy::unwrap_used)]
+
+use std::path::Path;
+use std::time::Instant;
+
+use api::State as Life;
+use serde_json::{Value, json};
+use swarm::run::Run;
+
+use super::*;
+use crate::spec::{BuiltinArenas, ResolvedRun, expand};
+
+const PATIENCE: Duration = Duration::from_secs(120);
+
+fn start(dir: &Path, workers: usize) -> (Arc<Store>, Scheduler) {
+    let store = Arc::new(Store::open(dir).unwrap());
+    let config = SchedulerConfig {
+        workers: NonZeroUsize::new(workers).unwrap(),
+        unfinished_limit: 100,
+        channels: ChannelSettings::default(),
+    };
+    let scheduler = Scheduler::start(Arc::clone(&store), config).unwrap();
+    (store, scheduler)
+}
+
+/// Brownian runs of the easy arena.
+fn job(epochs: u32, seeds: u32) -> Value {
+    json!({
+        "base": {
+            "arena": "easy", "controller": { "method": "brownian" },
+            "epochs": epochs, "steps_per_epoch": 500,
+        },
+        "seeds": { "first": 1, "count": seeds },
+    })
+}
+
+fn runs(job: &Value) -> Vec<ResolvedRun> {
+    expand(job, &BuiltinArenas).unwrap().runs
+}
+
+fn submit(scheduler: &Scheduler, job: &Value) -> JobSeq {
+    let expanded = expand(job, &BuiltinArenas).unwrap();
+    match scheduler.submit(&new_job(expanded, b"", None)).unwrap() {
+        Created::New(job, _) | Created::Replayed(job) => job,
+    }
+}
+
+fn wait_for(what: &str, condition: impl Fn() -> bool) {
+    let start = Instant::now();
+    while !condition() {
+        assert!(start.elapsed() < PATIENCE, "waited too long for {what}");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+fn wait_until_done(store: &Store, job: JobSeq) {
+    wait_for("the job", || {
+        let view = store.job(job).unwrap().unwrap();
+        assert_eq!(view.counts.failed, 0);
+        view.counts.done == view.counts.total
+    });
+}
+
+fn digest(store: &Store, run: &ResolvedRun) -> String {
+    store
+        .run(&run.key())
+        .unwrap()
+        .unwrap()
+        .result
+        .unwrap()
+        .state_sha256
+}
+
+fn digest_alone(run: &ResolvedRun) -> String {
+    let mut run = Run::new(run.run_spec()).unwrap();
+    run.advance(u64::MAX);
+    run.outcome().unwrap().state_sha256
+}
+
+#[test]
+fn a_job_ends_with_the_results_of_its_runs_alone() {
+    let dir = tempfile::tempdir().unwrap();
+    let (store, scheduler) = start(dir.path(), 2);
+    let small = job(4, 3);
+    wait_until_done(&store, submit(&scheduler, &small));
+    for run in runs(&small) {
+        assert_eq!(digest(&store, &run), digest_alone(&run));
+        let view = store.run(&run.key()).unwrap().unwrap();
+        let coverage = store.coverage(view.seq).unwrap().unwrap();
+        assert_eq!(coverage.curve.len(), 4);
+        assert_eq!(coverage.visits.len(), 10_000);
+        assert!(store.checkpoints().read(&run.key()).unwrap().is_none());
+    }
+}
+
+#[test]
+fn a_run_stopped_again_and_again_ends_the_same() {
+    let dir = tempfile::tempdir().unwrap();
+    let long = job(400, 1);
+    let run = runs(&long).remove(0);
+    let (mut store, mut scheduler) = start(dir.path(), 1);
+    let job = submit(&scheduler, &long);
+    for _ in 0..3 {
+        let seq = store.run(&run.key()).unwrap().unwrap().seq;
+        wait_for("a view", || scheduler.view(seq).is_some());
+        scheduler.set_intent(job, Intent::Paused).unwrap();
+        wait_for("the worker", || scheduler.view(seq).is_none());
+        let view = store.run(&run.key()).unwrap().unwrap();
+        if view.state.state() == Life::Done {
+            break;
+        }
+        assert_eq!(view.state.state(), Life::Paused);
+        assert!(store.checkpoints().coverage(&run.key()).unwrap().is_some());
+        scheduler.set_intent(job, Intent::Active).unwrap();
+        wait_for("a view", || scheduler.view(seq).is_some());
+        // The end of the process, and a new one.
+        drop(scheduler);
+        drop(store);
+        (store, scheduler) = start(dir.path(), 1);
+    }
+    wait_until_done(&store, job);
+    assert_eq!(digest(&store, &run), digest_alone(&run));
+}
+
+#[test]
+fn a_damaged_checkpoint_costs_time_but_not_the_result() {
+    let dir = tempfile::tempdir().unwrap();
+    let long = job(300, 1);
+    let run = runs(&long).remove(0);
+    let (store, scheduler) = start(dir.path(), 1);
+    let job = submit(&scheduler, &long);
+    let seq = store.run(&run.key()).unwrap().unwrap().seq;
+    wait_for("a view", || scheduler.view(seq).is_some());
+    scheduler.shut_down();
+    drop(scheduler);
+    drop(store);
+    let path = dir
+        .path()
+        .join("checkpoints")
+        .join(format!("{}.checkpoint", run.key()));
+    if let Ok(mut bytes) = std::fs::read(&path) {
+        let middle = bytes.len() / 2;
+        bytes[middle] ^= 0x40;
+        std::fs::write(&path, bytes).unwrap();
+    }
+    let (store, _scheduler) = start(dir.path(), 1);
+    wait_until_done(&store, job);
+    assert_eq!(digest(&store, &run), digest_alone(&run));
+}
+
+#[test]
+fn a_cancelled_job_stops_and_leaves_nothing_behind() {
+    let dir = tempfile::tempdir().unwrap();
+    let (store, scheduler) = start(dir.path(), 1);
+    let endless = job(1_000_000, 2);
+    let job = submit(&scheduler, &endless);
+    let running = runs(&endless).remove(0);
+    let seq = store.run(&running.key()).unwrap().unwrap().seq;
+    wait_for("a view", || scheduler.view(seq).is_some());
+    scheduler.set_intent(job, Intent::Cancelled).unwrap();
+    wait_for("the worker", || scheduler.view(seq).is_none());
+    let counts = store.job(job).unwrap().unwrap().counts;
+    assert_eq!((counts.cancelled, counts.total), (2, 2));
+    assert!(store.checkpoints().read(&running.key()).unwrap().is_none());
+    // The worker is free again, and the same runs can be asked for anew.
+    wait_until_done(&store, submit(&scheduler, &self::job(1, 1)));
+    let again = submit(&scheduler, &endless);
+    wait_for("the run", || {
+        store.job(again).unwrap().unwrap().counts.running == 1
+    });
+    scheduler.delete(again).unwrap();
+    assert!(store.job(again).unwrap().is_none());
+}
+
+#[test]
+fn a_spec_that_cannot_be_run_fails_alone() {
+    let dir = tempfile::tempdir().unwrap();
+    let (store, scheduler) = start(dir.path(), 1);
+    let mut broken = new_job(expand(&job(1, 1), &BuiltinArenas).unwrap(), b"", None);
+    broken.runs[0].id = "broken".to_owned();
+    broken.runs[0].spec = "{\"arena\": \"nowhere\"}".to_owned();
+    scheduler.submit(&broken).unwrap();
+    wait_until_done(&store, submit(&scheduler, &job(1, 1)));
+    let state = store.run("broken").unwrap().unwrap().state;
+    assert!(
+        matches!(&state, crate::store::RunState::Failed { reason } if reason.contains("nowhere")),
+        "{state:?}"
+    );
+}

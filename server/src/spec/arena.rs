@@ -1,0 +1,186 @@
+//! Arenas of a spec: by name from a source, or written out in place.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, LazyLock};
+
+use api::{ArenaRef, FieldError};
+use arenas::{Arena, ArenaFormat, Pose};
+use serde_json::Value;
+use serde_path_to_error::Segment;
+
+use super::fields::{Errors, Object, did_you_mean, join, kind};
+
+/// Fields of an arena object.
+const FIELDS: [&str; 7] = [
+    "name", "width_m", "height_m", "squares", "walls_m", "generate", "starts",
+];
+/// Fields of a start pose.
+const POSE_FIELDS: [&str; 3] = ["x_m", "y_m", "heading_rad"];
+
+/// Where arenas are looked up by name.
+pub trait ArenaSource {
+    /// The arena of this name.
+    fn arena(&self, name: &str) -> Option<Arc<Arena>>;
+    /// Every name, for error messages.
+    fn names(&self) -> Vec<String>;
+}
+
+/// The arenas that ship with the program.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BuiltinArenas;
+
+static BUILTIN: LazyLock<Vec<(String, Arc<Arena>)>> = LazyLock::new(|| {
+    arenas::builtin_names()
+        .iter()
+        .filter_map(|name| Some((name.to_string(), Arc::new(arenas::builtin(name)?))))
+        .collect()
+});
+
+impl ArenaSource for BuiltinArenas {
+    fn arena(&self, name: &str) -> Option<Arc<Arena>> {
+        let (_, arena) = BUILTIN.iter().find(|(known, _)| known == name)?;
+        Some(Arc::clone(arena))
+    }
+
+    fn names(&self) -> Vec<String> {
+        BUILTIN.iter().map(|(name, _)| name.clone()).collect()
+    }
+}
+
+/// An arena that a spec names or holds, and how the resolved spec shows it.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// The arena.
+    pub arena: Arc<Arena>,
+    /// Its name, or the object with every default and with generated walls written out.
+    pub shown: ArenaRef,
+}
+
+/// Reads arenas, each but once however many runs of a job use it.
+pub struct Arenas<'a> {
+    source: &'a dyn ArenaSource,
+    /// By the JSON text of the value; errors have pointers relative to it.
+    read: BTreeMap<String, Result<Found, Vec<FieldError>>>,
+}
+
+impl<'a> Arenas<'a> {
+    /// Nothing read yet.
+    pub fn new(source: &'a dyn ArenaSource) -> Self {
+        Self {
+            source,
+            read: BTreeMap::new(),
+        }
+    }
+
+    /// The arena that `value` names or holds.
+    pub fn read(&mut self, value: &Value, pointer: &str, errors: &mut Errors) -> Option<Found> {
+        let outcome = self
+            .read
+            .entry(value.to_string())
+            .or_insert_with(|| match value {
+                Value::String(name) => by_name(name, self.source),
+                Value::Object(_) => inline(value),
+                _ => {
+                    let message = format!("must be a name or an arena object, not {}", kind(value));
+                    let allowed = format!("{}, or an arena object", self.source.names().join(", "));
+                    Err(vec![FieldError::new("", message, allowed)])
+                }
+            });
+        match outcome {
+            Ok(found) => Some(found.clone()),
+            Err(wrong) => {
+                errors.extend(wrong.iter().map(|error| FieldError {
+                    pointer: format!("{pointer}{}", error.pointer),
+                    ..error.clone()
+                }));
+                None
+            }
+        }
+    }
+}
+
+fn by_name(name: &str, source: &dyn ArenaSource) -> Result<Found, Vec<FieldError>> {
+    match source.arena(name) {
+        Some(arena) => Ok(Found {
+            arena,
+            shown: ArenaRef::Name(name.to_owned()),
+        }),
+        None => {
+            let names = source.names();
+            let message = format!("there is no arena {name:?}{}", did_you_mean(name, &names));
+            let allowed = format!("{}, or an arena object", names.join(", "));
+            Err(vec![FieldError::new("", message, allowed)])
+        }
+    }
+}
+
+fn inline(value: &Value) -> Result<Found, Vec<FieldError>> {
+    let mut errors = Errors::default();
+    let object = Object::open(value, "", FIELDS, &mut errors);
+    if let Some(Value::Array(starts)) = object.and_then(|object| object.get("starts")) {
+        for (number, start) in starts.iter().enumerate() {
+            Object::open(
+                start,
+                &format!("/starts/{number}"),
+                POSE_FIELDS,
+                &mut errors,
+            );
+        }
+    }
+    if !errors.is_empty() {
+        return Err(errors.into_vec());
+    }
+    let format: ArenaFormat = serde_path_to_error::deserialize(value).map_err(|error| {
+        let pointer = pointer_of(error.path());
+        vec![FieldError::new(
+            pointer,
+            error.inner().to_string(),
+            FIELDS.join(", "),
+        )]
+    })?;
+    let arena = format
+        .build()
+        .map_err(|errors| errors.into_iter().map(arena_error).collect::<Vec<_>>())?;
+    Ok(Found {
+        shown: ArenaRef::Inline(shown(&arena)),
+        arena: Arc::new(arena),
+    })
+}
+
+/// The arena as an object with every field.
+fn shown(arena: &Arena) -> serde_json::Map<String, Value> {
+    let wall = |s: &arenas::Segment| Value::from(vec![s.a.x, s.a.y, s.b.x, s.b.y]);
+    let start = |Pose {
+                     x_m,
+                     y_m,
+                     heading_rad,
+                 }: &Pose| {
+        serde_json::json!({ "x_m": x_m, "y_m": y_m, "heading_rad": heading_rad })
+    };
+    [
+        ("name", Value::from(arena.name())),
+        ("width_m", Value::from(arena.width_m())),
+        ("height_m", Value::from(arena.height_m())),
+        ("squares", Value::from(arena.squares())),
+        ("walls_m", arena.walls().iter().map(wall).collect()),
+        ("starts", arena.starts().iter().map(start).collect()),
+    ]
+    .map(|(name, value)| (name.to_owned(), value))
+    .into_iter()
+    .collect()
+}
+
+/// An error of the `arenas` crate as one of the service's.
+pub fn arena_error(error: arenas::ArenaError) -> FieldError {
+    FieldError::new(error.pointer, error.message, error.allowed)
+}
+
+fn pointer_of(path: &serde_path_to_error::Path) -> String {
+    path.iter()
+        .fold(String::new(), |pointer, segment| match segment {
+            Segment::Seq { index } => format!("{pointer}/{index}"),
+            Segment::Map { key } => join(&pointer, key),
+            Segment::Enum { variant } => join(&pointer, variant),
+            Segment::Unknown => pointer,
+        })
+}

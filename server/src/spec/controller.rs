@@ -1,0 +1,185 @@
+//! The `controller` and `robot` sections: names and ranges come from the parameter tables.
+
+use std::collections::BTreeMap;
+
+use serde_json::Value;
+use swarm::parameters::{Parameter, ParameterError, Shown, Value as ParameterValue};
+use swarm::robot::{Preset, RobotModel, RobotParameters};
+use swarm::spec::{ControllerParameters, ControllerSpec, Method, StatesFrom, Training};
+
+use super::arena::Arenas;
+use super::fields::{Errors, Object, kind};
+use super::listing::shown_value;
+use super::resolve::MAX_EPOCHS;
+
+const DEFAULT_METHOD: Method = Method::EvIterC;
+const DEFAULT_TRAINING_ARENA: &str = "easy";
+const DEFAULT_TRAINING_EPOCHS: u64 = 200;
+
+/// Whether a method trains before, or while, it explores.
+pub fn trains(method: Method, states_from: StatesFrom) -> bool {
+    match method {
+        Method::Brownian => false,
+        Method::Im => states_from == StatesFrom::Phase1,
+        Method::Curiosity
+        | Method::CuriosityA
+        | Method::Discovery
+        | Method::DiscoveryA
+        | Method::EvIterC
+        | Method::EvIterD
+        | Method::EvIterCa
+        | Method::EvIterDa => true,
+    }
+}
+
+/// Resolves `controller`, and says how it is shown with every default.
+pub fn controller(
+    value: &Value,
+    arenas: &mut Arenas<'_>,
+    errors: &mut Errors,
+) -> Option<(ControllerSpec, api::ControllerSpec)> {
+    let known = ["method", "train"]
+        .into_iter()
+        .chain(names(ControllerParameters::TABLE));
+    let object = Object::open(value, "/controller", known, errors)?;
+    let method = object.choice(
+        "method",
+        Method::NAMES,
+        Method::from_name,
+        DEFAULT_METHOD,
+        errors,
+    );
+    let mut parameters = ControllerParameters::default();
+    set_all(
+        &object,
+        ControllerParameters::TABLE,
+        |n, v| parameters.set(n, v),
+        errors,
+    );
+
+    let (training, train) = if trains(method, parameters.states_from) {
+        let (training, shown) = training(object.get("train"), arenas, errors)?;
+        (Some(training), Some(shown))
+    } else {
+        if object.get("train").is_some() {
+            let reason = if method == Method::Im {
+                "im trains only with states_from \"phase-1\"".to_owned()
+            } else {
+                format!("{} has no training", method.name())
+            };
+            errors.add(object.pointer("train"), reason, "no train field");
+        }
+        (None, None)
+    };
+    let shown = api::ControllerSpec {
+        method: Some(method.name().to_owned()),
+        train,
+        parameters: shown_values(parameters.shown()),
+    };
+    Some((
+        ControllerSpec {
+            method,
+            parameters,
+            training,
+        },
+        shown,
+    ))
+}
+
+fn training(
+    value: Option<&Value>,
+    arenas: &mut Arenas<'_>,
+    errors: &mut Errors,
+) -> Option<(Training, api::TrainSpec)> {
+    let empty = Value::Object(serde_json::Map::new());
+    let pointer = "/controller/train";
+    let object = Object::open(
+        value.unwrap_or(&empty),
+        pointer,
+        ["arena", "epochs"],
+        errors,
+    )?;
+    let default = Value::from(DEFAULT_TRAINING_ARENA);
+    let named = object.get("arena").unwrap_or(&default);
+    let found = arenas.read(named, &object.pointer("arena"), errors);
+    // MAX_EPOCHS fits in 32 bits.
+    let epochs = object.whole("epochs", 1, MAX_EPOCHS, DEFAULT_TRAINING_EPOCHS, errors) as u32;
+    let found = found?;
+    let shown = api::TrainSpec {
+        arena: Some(found.shown),
+        epochs: Some(epochs),
+    };
+    Some((
+        Training {
+            arena: found.arena,
+            epochs,
+        },
+        shown,
+    ))
+}
+
+/// Resolves `robot`, and says how it is shown with every default.
+pub fn robot(value: &Value, errors: &mut Errors) -> Option<(RobotModel, api::RobotSpec)> {
+    let known = std::iter::once("preset").chain(names(RobotParameters::TABLE));
+    let object = Object::open(value, "/robot", known, errors)?;
+    let preset = object.choice(
+        "preset",
+        Preset::NAMES,
+        Preset::from_name,
+        Preset::Thesis,
+        errors,
+    );
+    let mut model = RobotModel::preset(preset);
+    set_all(
+        &object,
+        RobotParameters::TABLE,
+        |n, v| model.parameters.set(n, v),
+        errors,
+    );
+    let shown = api::RobotSpec {
+        preset: Some(preset.name().to_owned()),
+        parameters: shown_values(model.parameters.shown()),
+    };
+    Some((model, shown))
+}
+
+fn names(table: &'static [Parameter]) -> impl Iterator<Item = &'static str> {
+    table.iter().map(|parameter| parameter.name)
+}
+
+/// Sets each parameter of the table that the object holds.
+fn set_all(
+    object: &Object<'_>,
+    table: &'static [Parameter],
+    mut set: impl FnMut(&str, ParameterValue<'_>) -> Result<(), ParameterError>,
+    errors: &mut Errors,
+) {
+    for parameter in table {
+        let Some(value) = object.get(parameter.name) else {
+            continue;
+        };
+        let allowed = parameter.domain.allowed();
+        let outcome = match value {
+            Value::Number(number) => match number.as_f64() {
+                Some(number) => set(parameter.name, ParameterValue::Number(number)),
+                None => Err(ParameterError::Domain(allowed.clone())),
+            },
+            Value::String(text) => set(parameter.name, ParameterValue::Text(text)),
+            _ => {
+                let message = format!("must be {allowed}, not {}", kind(value));
+                errors.add(object.pointer(parameter.name), message, allowed);
+                continue;
+            }
+        };
+        if let Err(error) = outcome {
+            errors.add(object.pointer(parameter.name), error.to_string(), allowed);
+        }
+    }
+}
+
+fn shown_values(shown: Vec<(&'static str, Shown)>) -> BTreeMap<String, Value> {
+    shown
+        .into_iter()
+        .map(|(name, value)| (name.to_owned(), shown_value(value)))
+        .collect()
+}

@@ -1,0 +1,326 @@
+//! A job: the product of a matrix over a base run and of seeds.
+
+use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
+
+use api::{FieldError, SCHEMA};
+use serde_json::{Map, Value};
+
+use super::arena::{ArenaSource, Arenas};
+use super::fields::{Errors, Object, did_you_mean, join, kind};
+use super::matrix::{Axis, axes, combination, place_of};
+use super::resolve::{MAX_SEED, resolve_with};
+use super::resolved::ResolvedRun;
+use super::templates::templates;
+
+/// Most runs of a job.
+pub const MAX_RUNS: usize = 100_000;
+/// Longest name of a job, in characters.
+const MAX_NAME: usize = 200;
+/// Most bytes of JSON that expanding goes through: each combination is read anew.
+const MAX_BYTES: usize = 256 << 20;
+/// Wrong fields after which no more combinations are tried.
+const ENOUGH_ERRORS: usize = 100;
+
+const FIELDS: [&str; 6] = ["schema", "name", "base", "matrix", "seeds", "template"];
+
+/// A job's runs.
+#[derive(Clone, Debug)]
+pub struct ExpandedJob {
+    /// Its name; empty when none was given.
+    pub name: String,
+    /// Its runs, no two with the same key: combinations in order of the axes' names with the last
+    /// axis fastest, and within each the seeds as given.
+    pub runs: Vec<ResolvedRun>,
+}
+
+/// Checks a job and makes its runs. Takes up to some seconds for the largest jobs.
+///
+/// # Errors
+/// Every wrong field, with its JSON pointer into `job`: a value of the matrix that makes a run
+/// invalid is pointed at where it stands in the matrix.
+pub fn expand(job: &Value, arenas: &dyn ArenaSource) -> Result<ExpandedJob, Vec<FieldError>> {
+    let mut errors = Errors::default();
+    let job = with_template(job, &mut errors);
+    let expanded = read(&job, arenas, &mut errors);
+    match expanded {
+        Some(expanded) if errors.is_empty() => Ok(expanded),
+        _ => Err(errors.into_vec()),
+    }
+}
+
+/// The job, or the template that it names with the job's own fields in place of the template's.
+fn with_template<'a>(job: &'a Value, errors: &mut Errors) -> Cow<'a, Value> {
+    let Some((map, wanted)) = job
+        .as_object()
+        .and_then(|map| Some((map, map.get("template")?)))
+    else {
+        return Cow::Borrowed(job);
+    };
+    let templates = templates();
+    let names: Vec<&str> = templates
+        .iter()
+        .map(|template| template.name.as_str())
+        .collect();
+    let message = match wanted {
+        Value::String(name) => match templates.iter().find(|template| template.name == *name) {
+            Some(template) => {
+                let mut merged = template.job.clone();
+                if let Some(fields) = merged.as_object_mut() {
+                    fields.insert("name".to_owned(), Value::from(name.as_str()));
+                    fields.extend(map.clone());
+                }
+                return Cow::Owned(merged);
+            }
+            None => format!(
+                "there is no template {name:?}{}",
+                did_you_mean(name, &names)
+            ),
+        },
+        _ => format!("must be a string, not {}", kind(wanted)),
+    };
+    errors.add("/template", message, names.join(", "));
+    Cow::Borrowed(job)
+}
+
+fn read(job: &Value, arenas: &dyn ArenaSource, errors: &mut Errors) -> Option<ExpandedJob> {
+    let object = Object::open(job, "", FIELDS, errors)?;
+    let schema = u64::from(SCHEMA);
+    object.whole("schema", schema, schema, schema, errors);
+    let name = name(&object, errors);
+    let empty = Value::Object(Map::new());
+    let base = object.get("base").unwrap_or(&empty);
+    let seeds = seeds(&object, base, errors);
+    let axes = axes(object.get("matrix").unwrap_or(&empty), errors);
+    let (seeds, axes) = (seeds?, axes?);
+    let combinations = axes.iter().try_fold(1usize, |product, axis| {
+        product.checked_mul(axis.values.len())
+    });
+    let total = combinations.and_then(|number| number.checked_mul(seeds.len()));
+    let Some(combinations) = combinations.filter(|_| total.is_some_and(|total| total <= MAX_RUNS))
+    else {
+        let total = total.map_or("too many".to_owned(), |total| total.to_string());
+        let message = format!("matrix and seeds make {total} runs");
+        errors.add("", message, format!("at most {MAX_RUNS} runs"));
+        return None;
+    };
+    let longest = |axis: &Axis<'_>| axis.values.iter().map(length).max().unwrap_or(0);
+    let bytes = length(base) + axes.iter().map(longest).sum::<usize>();
+    if bytes.saturating_mul(combinations) > MAX_BYTES {
+        let message = format!("{combinations} runs of {bytes} bytes are too much to read");
+        let allowed =
+            "a smaller job; an arena that was uploaded can be named instead of written out";
+        errors.add("", message, allowed);
+        return None;
+    }
+    let distinct = resolve_all(base, &axes, combinations, &mut Arenas::new(arenas), errors)?;
+    let runs = distinct
+        .iter()
+        .flat_map(|run| seeds.iter().map(|seed| run.with_seed(*seed)))
+        .collect();
+    Some(ExpandedJob { name, runs })
+}
+
+/// Bytes of a value as text.
+fn length(value: &Value) -> usize {
+    value.to_string().len()
+}
+
+fn name(object: &Object<'_>, errors: &mut Errors) -> String {
+    let allowed = format!("a string of at most {MAX_NAME} characters");
+    match object.get("name") {
+        None => String::new(),
+        Some(Value::String(name)) if name.chars().count() <= MAX_NAME => name.clone(),
+        Some(Value::String(name)) => {
+            let length = name.chars().count();
+            errors.add(
+                object.pointer("name"),
+                format!("has {length} characters"),
+                allowed,
+            );
+            String::new()
+        }
+        Some(value) => {
+            let message = format!("must be a string, not {}", kind(value));
+            errors.add(object.pointer("name"), message, allowed);
+            String::new()
+        }
+    }
+}
+
+/// The seeds, each once; the base run's own when the job has none.
+fn seeds(object: &Object<'_>, base: &Value, errors: &mut Errors) -> Option<Vec<u64>> {
+    let allowed =
+        format!("{{\"first\": 1, \"count\": 3}} or a list of whole numbers to {MAX_SEED}");
+    let own = base.get("seed");
+    match object.get("seeds") {
+        // A seed of the wrong kind is found with the rest of the base run.
+        None => Some(vec![own.and_then(Value::as_u64).unwrap_or(1)]),
+        Some(_) if own.is_some() => {
+            errors.add(
+                "/base/seed",
+                "the job has seeds of its own",
+                "either this or seeds",
+            );
+            None
+        }
+        Some(Value::Array(list)) => {
+            if list.is_empty() || list.len() > MAX_RUNS {
+                errors.add("/seeds", format!("holds {} seeds", list.len()), allowed);
+                return None;
+            }
+            let mut seen = BTreeSet::new();
+            let mut wrong = false;
+            let seeds = list.iter().enumerate().filter_map(|(index, value)| {
+                let seed = value.as_u64().filter(|seed| *seed <= MAX_SEED);
+                let fresh = seed.is_some_and(|seed| seen.insert(seed));
+                if !fresh {
+                    let reason = if seed.is_some() {
+                        "stands there twice"
+                    } else {
+                        "is no seed"
+                    };
+                    errors.add(
+                        format!("/seeds/{index}"),
+                        format!("{value} {reason}"),
+                        &allowed,
+                    );
+                    wrong = true;
+                }
+                seed
+            });
+            let seeds = seeds.collect();
+            (!wrong).then_some(seeds)
+        }
+        Some(range @ Value::Object(_)) => {
+            let range = Object::open(range, "/seeds", ["first", "count"], errors)?;
+            let first = range.whole("first", 0, MAX_SEED, 1, errors);
+            let count = range.whole("count", 1, MAX_RUNS as u64, 1, errors);
+            if first + (count - 1) > MAX_SEED {
+                errors.add(
+                    "/seeds",
+                    "the last seed is too large",
+                    format!("up to {MAX_SEED}"),
+                );
+                return None;
+            }
+            Some((first..first + count).collect())
+        }
+        Some(value) => {
+            let message = format!("must be an object or a list, not {}", kind(value));
+            errors.add("/seeds", message, allowed);
+            None
+        }
+    }
+}
+
+/// Where an error was met first, and in how many combinations.
+struct Met {
+    place: usize,
+    times: usize,
+}
+
+/// Resolves every combination; an error of many combinations is told once.
+fn resolve_all(
+    base: &Value,
+    axes: &[Axis<'_>],
+    combinations: usize,
+    arenas: &mut Arenas<'_>,
+    errors: &mut Errors,
+) -> Option<Vec<ResolvedRun>> {
+    let mut runs: Vec<ResolvedRun> = Vec::with_capacity(combinations);
+    let mut met: Vec<(FieldError, Met)> = Vec::new();
+    let mut first_of = BTreeMap::new();
+    let mut tried = 0;
+    for place in 0..combinations {
+        if met.len() >= ENOUGH_ERRORS {
+            break;
+        }
+        tried += 1;
+        let wrong = match combination(base, axes, place) {
+            Err(error) => vec![error],
+            Ok(spec) => match resolve_with(&spec, arenas) {
+                Err(wrong) => wrong.into_iter().map(|e| in_job(e, axes, place)).collect(),
+                Ok(run) => {
+                    let twin = first_of.insert(run.digest(), place);
+                    runs.push(run);
+                    twin.map(|twin| same_run(axes, twin, place))
+                        .into_iter()
+                        .collect()
+                }
+            },
+        };
+        for error in wrong {
+            match met.iter_mut().find(|(known, _)| *known == error) {
+                Some((_, met)) => met.times += 1,
+                None => met.push((error, Met { place, times: 1 })),
+            }
+        }
+    }
+    if met.is_empty() {
+        return Some(runs);
+    }
+    errors.extend(met.into_iter().map(|(mut error, met)| {
+        if met.times < tried && !error.pointer.starts_with("/matrix") {
+            error.message = format!("{} (with {})", error.message, words(axes, met.place));
+        }
+        error
+    }));
+    None
+}
+
+/// A run's error as one of the job: at the value of the innermost axis that holds the field or
+/// leads into it, or in the base run.
+fn in_job(error: FieldError, axes: &[Axis<'_>], place: usize) -> FieldError {
+    let within = |axis: &Axis<'_>| match error.pointer.strip_prefix(axis.pointer.as_str()) {
+        Some(rest) if rest.is_empty() || rest.starts_with('/') => Some(rest.to_owned()),
+        // The axis leads into a field that cannot hold it.
+        _ if !error.pointer.is_empty() && leads_into(&error.pointer, axis) => Some(String::new()),
+        _ => None,
+    };
+    let pointer = axes
+        .iter()
+        .zip(place_of(axes, place))
+        .filter_map(|(axis, index)| Some((axis, index, within(axis)?)))
+        .max_by_key(|(axis, _, _)| axis.pointer.len())
+        .map(|(axis, index, rest)| format!("{}/{index}{rest}", join("/matrix", axis.path)))
+        .unwrap_or_else(|| format!("/base{}", error.pointer));
+    FieldError { pointer, ..error }
+}
+
+fn leads_into(pointer: &str, axis: &Axis<'_>) -> bool {
+    axis.pointer
+        .strip_prefix(pointer)
+        .is_some_and(|rest| rest.starts_with('/'))
+}
+
+/// Two combinations that resolve to one run, told at an axis in which they differ.
+fn same_run(axes: &[Axis<'_>], first: usize, second: usize) -> FieldError {
+    let differing = axes
+        .iter()
+        .zip(
+            place_of(axes, first)
+                .into_iter()
+                .zip(place_of(axes, second)),
+        )
+        .find(|(_, (one, other))| one != other);
+    let pointer = match differing {
+        Some((axis, (_, index))) => format!("{}/{index}", join("/matrix", axis.path)),
+        None => "/matrix".to_owned(),
+    };
+    FieldError::new(
+        pointer,
+        "makes a run that the job already has",
+        "values that differ",
+    )
+}
+
+/// A combination in words.
+fn words(axes: &[Axis<'_>], place: usize) -> String {
+    let words: Vec<String> = axes
+        .iter()
+        .zip(place_of(axes, place))
+        .map(|(axis, index)| format!("{} = {}", axis.path, axis.values[index]))
+        .collect();
+    words.join(", ")
+}

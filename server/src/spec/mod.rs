@@ -1,0 +1,44 @@
+//! From JSON to a run: every default filled in, every wrong field found, a stable key given.
+//!
+//! Names, ranges and units of parameters come from the tables in `swarm`; nothing is listed twice.
+
+mod arena;
+mod controller;
+mod expand;
+mod fields;
+mod listing;
+mod matrix;
+mod resolve;
+mod resolved;
+mod templates;
+
+pub use arena::{ArenaSource, BuiltinArenas, arena_error};
+pub use expand::{ExpandedJob, MAX_RUNS, expand};
+pub use listing::controllers;
+pub use resolve::{MAX_EPOCHS, MAX_ROBOTS, MAX_SEED, MAX_STEPS_PER_EPOCH, field_error, resolve};
+pub use resolved::ResolvedRun;
+pub use templates::templates;
+
+use api::FieldError;
+use serde_json::Value;
+
+/// Parses JSON text.
+///
+/// # Errors
+/// One error on the whole document that says where the text stops being JSON.
+pub fn parse(text: &str) -> Result<Value, Vec<FieldError>> {
+    serde_json::from_str(text).map_err(|error| {
+        vec![FieldError::new(
+            "",
+            format!("not JSON: {error}"),
+            "a JSON object",
+        )]
+    })
+}
+
+#[cfg(test)]
+mod expand_tests;
+#[cfg(test)]
+mod resolve_tests;
+#[cfg(test)]
+mod testing;

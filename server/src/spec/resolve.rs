@@ -1,0 +1,193 @@
+//! A run spec as posted, checked field by field and filled in.
+
+use api::{FieldError, RecordSpec, SCHEMA, SharingSpec};
+use serde_json::Value;
+use swarm::spec::{EngineKind, Episodes, Placement, RunSpec};
+
+use super::arena::{ArenaSource, Arenas};
+use super::controller;
+use super::fields::{Errors, Object};
+use super::resolved::ResolvedRun;
+
+/// Most counted epochs, and most training epochs.
+pub const MAX_EPOCHS: u64 = swarm::run::MAX_EPOCHS as u64;
+/// Most steps an epoch.
+pub const MAX_STEPS_PER_EPOCH: u64 = swarm::run::MAX_STEPS_PER_EPOCH as u64;
+/// Most robots.
+pub const MAX_ROBOTS: u64 = swarm::run::MAX_ROBOTS as u64;
+/// Largest seed: 2^53 - 1, up to which every JSON reader keeps whole numbers exact.
+pub const MAX_SEED: u64 = (1 << 53) - 1;
+
+/// Fields of a run spec.
+pub(super) const FIELDS: [&str; 15] = [
+    "schema",
+    "seed",
+    "arena",
+    "controller",
+    "epochs",
+    "steps_per_epoch",
+    "robots",
+    "placement",
+    "episodes",
+    "robot",
+    "engine",
+    "memory_budget_bytes",
+    "sharing",
+    "record",
+    "channels",
+];
+
+/// Checks a run spec and fills in every default.
+///
+/// # Errors
+/// Every wrong field, with its JSON pointer into `spec` and what is allowed there.
+pub fn resolve(spec: &Value, arenas: &dyn ArenaSource) -> Result<ResolvedRun, Vec<FieldError>> {
+    resolve_with(spec, &mut Arenas::new(arenas))
+}
+
+/// As [`resolve`], with arenas that were read before.
+pub(super) fn resolve_with(
+    spec: &Value,
+    arenas: &mut Arenas<'_>,
+) -> Result<ResolvedRun, Vec<FieldError>> {
+    let mut errors = Errors::default();
+    let resolved = read(spec, arenas, &mut errors);
+    match resolved {
+        Some(resolved) if errors.is_empty() => {
+            errors.extend(resolved.run_spec().validate().into_iter().map(field_error));
+            if errors.is_empty() {
+                Ok(resolved)
+            } else {
+                Err(errors.into_vec())
+            }
+        }
+        _ => Err(errors.into_vec()),
+    }
+}
+
+fn read(spec: &Value, arenas: &mut Arenas<'_>, errors: &mut Errors) -> Option<ResolvedRun> {
+    let object = Object::open(spec, "", FIELDS, errors)?;
+    let empty = Value::Object(serde_json::Map::new());
+    let section = |name| object.get(name).unwrap_or(&empty);
+
+    let schema = u64::from(SCHEMA);
+    object.whole("schema", schema, schema, schema, errors);
+    let seed = object.whole("seed", 0, MAX_SEED, 1, errors);
+    let default_arena = Value::from("maze");
+    let arena = object.get("arena").unwrap_or(&default_arena);
+    let arena = arenas.read(arena, "/arena", errors);
+    let controller = controller::controller(section("controller"), arenas, errors);
+    // The caps of the three are of 32 bits.
+    let epochs = object.whole("epochs", 1, MAX_EPOCHS, 2_000, errors) as u32;
+    let steps = object.whole("steps_per_epoch", 1, MAX_STEPS_PER_EPOCH, 2_000, errors) as u32;
+    let robots = object.whole("robots", 1, MAX_ROBOTS, 1, errors) as u32;
+    let placement = object.choice(
+        "placement",
+        Placement::NAMES,
+        Placement::from_name,
+        Placement::Start,
+        errors,
+    );
+    let episodes = object.choice(
+        "episodes",
+        Episodes::NAMES,
+        Episodes::from_name,
+        Episodes::Reset,
+        errors,
+    );
+    let robot = controller::robot(section("robot"), errors);
+    let engine = object.choice(
+        "engine",
+        EngineKind::NAMES,
+        EngineKind::from_name,
+        EngineKind::Kinematic,
+        errors,
+    );
+    if object
+        .get("memory_budget_bytes")
+        .is_some_and(|value| !value.is_null())
+    {
+        let message = "a memory budget is not supported yet";
+        errors.add(object.pointer("memory_budget_bytes"), message, "null");
+    }
+    sharing(section("sharing"), errors);
+    record(section("record"), errors);
+    let channels = object.flag("channels", false, errors);
+
+    let (arena, (controller, controller_shown), (robot, robot_shown)) =
+        (arena?, controller?, robot?);
+    let run = RunSpec {
+        seed,
+        arena: arena.arena,
+        controller,
+        epochs,
+        steps_per_epoch: steps,
+        robots,
+        placement,
+        episodes,
+        robot,
+        engine,
+    };
+    let shown = api::RunSpec {
+        schema: Some(SCHEMA),
+        seed: Some(seed),
+        arena: Some(arena.shown),
+        controller: Some(controller_shown),
+        epochs: Some(epochs),
+        steps_per_epoch: Some(steps),
+        robots: Some(robots),
+        placement: Some(placement.name().to_owned()),
+        episodes: Some(episodes.name().to_owned()),
+        robot: Some(robot_shown),
+        engine: Some(engine.name().to_owned()),
+        memory_budget_bytes: Value::Null,
+        sharing: Some(SharingSpec {
+            mode: Some("none".to_owned()),
+        }),
+        record: Some(RecordSpec {
+            every_steps: Some(0),
+        }),
+        channels: Some(channels),
+    };
+    Some(ResolvedRun::new(run, shown, channels))
+}
+
+/// Part of the contract, of which only the mode without sharing is built.
+fn sharing(value: &Value, errors: &mut Errors) {
+    let Some(object) = Object::open(value, "/sharing", ["mode"], errors) else {
+        return;
+    };
+    match object.get("mode") {
+        None => {}
+        Some(Value::String(mode)) if mode == "none" => {}
+        Some(Value::String(mode)) if mode == "arena" || mode == "radio" => {
+            errors.add(
+                object.pointer("mode"),
+                format!("{mode:?} is not supported yet"),
+                "none",
+            );
+        }
+        Some(_) => {
+            object.choice("mode", &["none"], |_| None, (), errors);
+        }
+    }
+}
+
+/// Part of the contract, of which only a run without a recording is built.
+fn record(value: &Value, errors: &mut Errors) {
+    let Some(object) = Object::open(value, "/record", ["every_steps"], errors) else {
+        return;
+    };
+    if object.whole("every_steps", 0, u64::from(u32::MAX), 0, errors) != 0 {
+        errors.add(
+            object.pointer("every_steps"),
+            "recording is not supported yet",
+            "0",
+        );
+    }
+}
+
+/// An error of the `swarm` crate as one of the service's.
+pub fn field_error(error: swarm::spec::FieldError) -> FieldError {
+    FieldError::new(error.pointer, error.message, error.allowed)
+}

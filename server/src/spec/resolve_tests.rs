@@ -1,0 +1,339 @@
+//! Specs as a user would write them: what they become, and what is said of wrong ones.
+#![allow(clippy::unwrap_used)]
+
+use proptest::prelude::*;
+use serde_json::{Value, json};
+use swarm::spec::Method;
+
+use super::testing::{any_json, refused, resolved, two_rooms};
+use super::*;
+
+fn check(spec: Value, pointer: &str, words: &str) {
+    refused(resolve(&spec, &BuiltinArenas).map(drop), pointer, words);
+}
+
+#[test]
+fn an_empty_spec_is_the_default_experiment() {
+    let run = resolved(json!({})).run_spec();
+    assert_eq!(
+        (run.seed, run.epochs, run.steps_per_epoch, run.robots),
+        (1, 2_000, 2_000, 1)
+    );
+    assert_eq!(run.arena.name(), "maze");
+    assert_eq!(run.controller.method, Method::EvIterC);
+    let training = run.controller.training.unwrap();
+    assert_eq!((training.arena.name(), training.epochs), ("easy", 200));
+    assert_eq!(run.robot, swarm::robot::RobotModel::default());
+}
+
+#[test]
+fn resolving_what_was_resolved_changes_nothing() {
+    let specs = [
+        json!({}),
+        json!({ "seed": MAX_SEED, "arena": two_rooms(), "channels": true }),
+        json!({ "controller": { "method": "im", "alpha": 0.1, "eta": 1e-3, "lambda": 7.0 } }),
+        json!({ "controller": { "method": "im", "states_from": "phase-1" } }),
+        json!({ "controller": { "method": "discovery", "train": { "arena": two_rooms() } } }),
+        json!({ "controller": { "method": "brownian" }, "robot": { "preset": "epuck2", "mass_kg": 0.2 } }),
+        json!({ "arena": { "name": "made", "width_m": 1.2, "height_m": 1.2,
+                "generate": { "kind": "maze", "seed": 3 } } }),
+    ];
+    for spec in specs {
+        let first = resolved(spec);
+        let text = first.canonical_json();
+        let again = resolved(parse(&text).unwrap());
+        assert_eq!(again.canonical_json(), text);
+        assert_eq!(again.key(), first.key());
+        assert_eq!(again.arena().content_key(), first.arena().content_key());
+        let typed: api::RunSpec = serde_json::from_str(&text).unwrap();
+        assert_eq!(typed, first.canonical());
+    }
+}
+
+#[test]
+fn every_field_of_the_contract_is_shown_in_its_order() {
+    let text = resolved(json!({ "epochs": 3 })).canonical_json();
+    let mut rest = text.as_str();
+    for field in resolve::FIELDS {
+        let (_, after) = rest.split_once(&format!("\n  \"{field}\": ")).expect(field);
+        rest = after;
+    }
+    for parameter in swarm::spec::ControllerParameters::TABLE {
+        assert!(
+            text.contains(&format!("\n    \"{}\": ", parameter.name)),
+            "{}",
+            parameter.name
+        );
+    }
+    assert!(text.ends_with("}\n"));
+}
+
+#[test]
+fn keys_tell_runs_apart() {
+    let key = |spec: Value| resolved(spec).key();
+    let default = key(json!({}));
+    assert_eq!(default.len(), 64);
+    assert_eq!(
+        default,
+        key(json!({ "seed": 1, "controller": { "alpha": 0.7 } }))
+    );
+    let mut moved = two_rooms();
+    moved["walls_m"][0][3] = json!(0.41);
+    let keys = [
+        default,
+        key(json!({ "seed": 2 })),
+        key(json!({ "controller": { "alpha": 0.71 } })),
+        key(json!({ "channels": true })),
+        key(json!({ "arena": two_rooms() })),
+        key(json!({ "arena": moved })),
+    ];
+    let distinct: std::collections::BTreeSet<_> = keys.iter().collect();
+    assert_eq!(distinct.len(), keys.len());
+}
+
+#[test]
+fn an_uploaded_arena_of_the_same_name_but_other_walls_has_another_key() {
+    struct Uploaded(std::sync::Arc<arenas::Arena>);
+    impl ArenaSource for Uploaded {
+        fn arena(&self, name: &str) -> Option<std::sync::Arc<arenas::Arena>> {
+            (name == "mine")
+                .then(|| self.0.clone())
+                .or_else(|| BuiltinArenas.arena(name))
+        }
+        fn names(&self) -> Vec<String> {
+            vec!["mine".to_owned()]
+        }
+    }
+    let uploaded = |wall_end_m: f64| {
+        let mut arena = two_rooms();
+        arena["walls_m"][0][3] = json!(wall_end_m);
+        Uploaded(std::sync::Arc::new(
+            arenas::Arena::from_json(&arena.to_string()).unwrap(),
+        ))
+    };
+    let key = |end_m| {
+        resolve(&json!({ "arena": "mine" }), &uploaded(end_m))
+            .unwrap()
+            .key()
+    };
+    assert_eq!(key(0.4), key(0.4));
+    assert_ne!(key(0.4), key(0.5));
+}
+
+#[test]
+fn wrong_specs_are_refused_where_they_are_wrong() {
+    check(json!([]), "", "must be an object, not an array");
+    check(json!({ "sed": 1 }), "/sed", "did you mean \"seed\"?");
+    check(json!({ "schema": 2 }), "/schema", "2 is not");
+    check(json!({ "seed": -1 }), "/seed", "from 0 to 9007199254740991");
+    check(json!({ "seed": 1.5 }), "/seed", "1.5 is not a whole number");
+    check(
+        json!({ "seed": 1u64 << 53 }),
+        "/seed",
+        "9007199254740992 is not",
+    );
+    check(json!({ "seed": "7" }), "/seed", "not a string");
+    check(json!({ "epochs": 0 }), "/epochs", "from 1 to 1000000");
+    check(json!({ "epochs": 1_000_001 }), "/epochs", "1000001 is not");
+    check(
+        json!({ "steps_per_epoch": 1e300 }),
+        "/steps_per_epoch",
+        "is not a whole number",
+    );
+    check(json!({ "robots": 100_001 }), "/robots", "from 1 to 100000");
+    check(json!({ "robots": null }), "/robots", "not null");
+    check(
+        json!({ "placement": "gird" }),
+        "/placement",
+        "did you mean \"grid\"?",
+    );
+    check(
+        json!({ "episodes": 3 }),
+        "/episodes",
+        "must be a string, not a number",
+    );
+    check(
+        json!({ "engine": "bullet" }),
+        "/engine",
+        "kinematic, rapier",
+    );
+    check(json!({ "channels": "yes" }), "/channels", "true or false");
+    check(
+        json!({ "memory_budget_bytes": "e-puck" }),
+        "/memory_budget_bytes",
+        "not supported yet",
+    );
+    check(
+        json!({ "sharing": { "mode": "radio" } }),
+        "/sharing/mode",
+        "not supported yet",
+    );
+    check(
+        json!({ "sharing": { "mode": "non" } }),
+        "/sharing/mode",
+        "did you mean \"none\"?",
+    );
+    check(
+        json!({ "record": { "every_steps": 10 } }),
+        "/record/every_steps",
+        "not supported yet",
+    );
+    check(
+        json!({ "record": { "every_step": 10 } }),
+        "/record/every_step",
+        "\"every_steps\"?",
+    );
+    check(
+        json!({ "robot": { "preset": "epuck3" } }),
+        "/robot/preset",
+        "\"epuck2\"?",
+    );
+    check(
+        json!({ "robot": { "mas_kg": 1 } }),
+        "/robot/mas_kg",
+        "\"mass_kg\"?",
+    );
+    check(
+        json!({ "robot": { "mass_kg": -1 } }),
+        "/robot/mass_kg",
+        "a number from 0.001 to 100",
+    );
+    check(json!({ "robot": 1 }), "/robot", "must be an object");
+}
+
+#[test]
+fn wrong_controllers_are_refused_where_they_are_wrong() {
+    let check = |controller: Value, pointer: &str, words: &str| {
+        check(
+            json!({ "controller": controller }),
+            &format!("/controller{pointer}"),
+            words,
+        );
+    };
+    check(json!("im"), "", "must be an object, not a string");
+    check(
+        json!({ "method": "ev-iter" }),
+        "/method",
+        "did you mean \"ev-iter-c\"?",
+    );
+    check(json!({ "alhpa": 0.5 }), "/alhpa", "did you mean \"alpha\"?");
+    check(json!({ "alpha": 1.5 }), "/alpha", "a number from 0 to 1");
+    check(json!({ "alpha": "high" }), "/alpha", "a number from 0 to 1");
+    check(json!({ "alpha": [0.5] }), "/alpha", "not an array");
+    check(json!({ "lambda": 2.5 }), "/lambda", "a whole number");
+    check(
+        json!({ "insufficiency": "never" }),
+        "/insufficiency",
+        "every-action, state-total",
+    );
+    check(
+        json!({ "train": { "epoch": 3 } }),
+        "/train/epoch",
+        "did you mean \"epochs\"?",
+    );
+    check(
+        json!({ "train": { "epochs": 0 } }),
+        "/train/epochs",
+        "from 1 to",
+    );
+    check(
+        json!({ "train": { "arena": "esay" } }),
+        "/train/arena",
+        "did you mean \"easy\"?",
+    );
+    check(
+        json!({ "method": "brownian", "train": {} }),
+        "/train",
+        "brownian has no training",
+    );
+    check(
+        json!({ "method": "im", "train": {} }),
+        "/train",
+        "states_from \"phase-1\"",
+    );
+}
+
+#[test]
+fn wrong_arenas_are_refused_where_they_are_wrong() {
+    check(
+        json!({ "arena": "mase" }),
+        "/arena",
+        "did you mean \"maze\"?",
+    );
+    check(
+        json!({ "arena": 3 }),
+        "/arena",
+        "must be a name or an arena object",
+    );
+    check(json!({ "arena": {} }), "/arena/width_m", "missing");
+    let wrong = |change: fn(&mut Value), pointer: &str, words: &str| {
+        let mut arena = two_rooms();
+        change(&mut arena);
+        check(json!({ "arena": arena }), pointer, words);
+    };
+    wrong(
+        |a| a["width"] = json!(1),
+        "/arena/width",
+        "did you mean \"width_m\"?",
+    );
+    wrong(|a| a["width_m"] = json!("1"), "/arena/width_m", "string");
+    wrong(|a| a["width_m"] = json!(-1), "/arena/width_m", "-1");
+    wrong(
+        |a| a["walls_m"][0] = json!([1, 2, 3]),
+        "/arena/walls_m/0",
+        "length",
+    );
+    wrong(
+        |a| a["starts"][0]["z_m"] = json!(0),
+        "/arena/starts/0/z_m",
+        "no field \"z_m\"",
+    );
+}
+
+#[test]
+fn all_wrong_fields_are_told_at_once() {
+    let spec = json!({
+        "sed": 1, "epochs": 0, "arena": "nowhere", "robot": { "mass_kg": "heavy" },
+        "controller": { "alpha": 2, "lambda": 0, "train": { "arena": "nowhere" } }
+    });
+    let errors = resolve(&spec, &BuiltinArenas).unwrap_err();
+    let pointers: Vec<_> = errors.iter().map(|error| error.pointer.as_str()).collect();
+    for pointer in [
+        "/sed",
+        "/epochs",
+        "/arena",
+        "/robot/mass_kg",
+        "/controller/alpha",
+        "/controller/lambda",
+        "/controller/train/arena",
+    ] {
+        assert!(
+            pointers.contains(&pointer),
+            "{pointer} is not in {pointers:?}"
+        );
+    }
+}
+
+#[test]
+fn text_that_is_no_json_says_where_it_stops() {
+    let errors = parse("{\"seed\": 1,}").unwrap_err();
+    assert_eq!(errors[0].pointer, "");
+    assert!(
+        errors[0].message.contains("line 1 column 12"),
+        "{}",
+        errors[0].message
+    );
+}
+
+proptest! {
+    #[test]
+    fn no_json_makes_resolving_panic(value in any_json()) {
+        match resolve(&value, &BuiltinArenas) {
+            Ok(run) => {
+                let again = resolved(parse(&run.canonical_json()).unwrap());
+                prop_assert_eq!(again.key(), run.key());
+            }
+            Err(errors) => prop_assert!(!errors.is_empty()),
+        }
+    }
+}

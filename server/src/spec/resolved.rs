@@ -1,0 +1,140 @@
+//! A run that can be started: the domain's spec, the document that shows it, and its key.
+
+use std::sync::Arc;
+
+use arenas::Arena;
+use sha2::{Digest, Sha256};
+use swarm::spec::{Method, RunSpec};
+
+/// A checked run spec with every default filled in. Cheap to clone: runs of a job that differ in
+/// their seed alone share everything else.
+#[derive(Clone, Debug)]
+pub struct ResolvedRun {
+    seed: u64,
+    common: Arc<Common>,
+}
+
+/// What does not depend on the seed; the seeds in here are not used.
+#[derive(Debug)]
+struct Common {
+    digest: [u8; 32],
+    run: RunSpec,
+    shown: api::RunSpec,
+    channels: bool,
+}
+
+impl ResolvedRun {
+    pub(super) fn new(run: RunSpec, mut shown: api::RunSpec, channels: bool) -> Self {
+        let seed = run.seed;
+        shown.seed = None;
+        let digest = digest(&run, &shown);
+        Self {
+            seed,
+            common: Arc::new(Common {
+                digest,
+                run,
+                shown,
+                channels,
+            }),
+        }
+    }
+
+    /// SHA-256 over all but the seed.
+    pub(super) fn digest(&self) -> [u8; 32] {
+        self.common.digest
+    }
+
+    /// The same run with another seed.
+    #[must_use]
+    pub(super) fn with_seed(&self, seed: u64) -> Self {
+        Self {
+            seed,
+            common: Arc::clone(&self.common),
+        }
+    }
+
+    /// The seed.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// What the simulation runs.
+    pub fn run_spec(&self) -> RunSpec {
+        RunSpec {
+            seed: self.seed,
+            ..self.common.run.clone()
+        }
+    }
+
+    /// The target arena.
+    pub fn arena(&self) -> &Arc<Arena> {
+        &self.common.run.arena
+    }
+
+    /// The method.
+    pub fn method(&self) -> Method {
+        self.common.run.controller.method
+    }
+
+    /// Radius of the robot, which decides what it can reach.
+    pub fn body_radius_m(&self) -> f64 {
+        self.common.run.robot.parameters.body_radius_m
+    }
+
+    /// Whether local programs can watch the run through shared memory.
+    pub fn channels(&self) -> bool {
+        self.common.channels
+    }
+
+    /// The spec with every field present. Resolving it again gives an equal run.
+    pub fn canonical(&self) -> api::RunSpec {
+        api::RunSpec {
+            seed: Some(self.seed),
+            ..self.common.shown.clone()
+        }
+    }
+
+    /// [`Self::canonical`] as the text of `spec.json`: equal runs give equal text.
+    pub fn canonical_json(&self) -> String {
+        text(&self.canonical())
+    }
+
+    /// The run's id: SHA-256, in hex, over the seed and the SHA-256 of the rest of the canonical
+    /// spec, the contents of its arenas and the program's version. Equal keys mean equal results.
+    pub fn key(&self) -> String {
+        let mut hash = Sha256::new();
+        hash.update(self.common.digest);
+        hash.update(self.seed.to_le_bytes());
+        hash.finalize()
+            .iter()
+            .map(|byte| format!("{byte:02x}"))
+            .collect()
+    }
+}
+
+fn text(spec: &api::RunSpec) -> String {
+    // Strings, finite numbers and maps with string keys: JSON can hold all of them.
+    #[allow(clippy::expect_used)]
+    let mut text = serde_json::to_string_pretty(spec).expect("a spec is JSON");
+    text.push('\n');
+    text
+}
+
+/// SHA-256 over the program's version, a spec and the contents of its arenas.
+fn digest(run: &RunSpec, shown: &api::RunSpec) -> [u8; 32] {
+    let training = run.controller.training.as_ref();
+    let parts = [
+        env!("CARGO_PKG_VERSION").as_bytes().to_vec(),
+        text(shown).into_bytes(),
+        run.arena.content_key(),
+        training
+            .map(|training| training.arena.content_key())
+            .unwrap_or_default(),
+    ];
+    let mut hash = Sha256::new();
+    for part in parts {
+        hash.update((part.len() as u64).to_le_bytes());
+        hash.update(part);
+    }
+    hash.finalize().into()
+}

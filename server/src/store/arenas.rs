@@ -1,0 +1,134 @@
+//! Uploaded arenas, by name.
+
+use api::ArenaListing;
+use rusqlite::{OptionalExtension, params};
+
+use super::{Store, StoreError, from_sql};
+
+/// An uploaded arena.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StoredArena {
+    /// Name.
+    pub name: String,
+    /// The arena as JSON.
+    pub body: String,
+    /// Its figures, for lists.
+    pub listing: ArenaListing,
+}
+
+/// What became of an arena to be deleted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ArenaDeletion {
+    /// It is gone.
+    Deleted,
+    /// There is none of this name.
+    Unknown,
+    /// Stored runs use it.
+    InUse {
+        /// How many.
+        runs: u64,
+    },
+}
+
+/// Why an arena was not stored.
+#[derive(Debug, thiserror::Error)]
+pub enum SaveArenaError {
+    /// Another arena has this name.
+    #[error("another arena has this name")]
+    NameTaken,
+    /// There are as many as are allowed.
+    #[error("{0} arenas are stored already, as many as are allowed")]
+    Full(u32),
+    /// The store failed.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+}
+
+impl From<rusqlite::Error> for SaveArenaError {
+    fn from(error: rusqlite::Error) -> Self {
+        Self::Store(error.into())
+    }
+}
+
+impl Store {
+    /// Stores an arena. Returns whether it is new: storing the very same again changes nothing.
+    ///
+    /// # Errors
+    /// `NameTaken`, `Full`, or `Store` when the database fails.
+    pub fn save_arena(&self, arena: &StoredArena, limit: u32) -> Result<bool, SaveArenaError> {
+        let listing = serde_json::to_string(&arena.listing)
+            .map_err(|error| StoreError::unreadable("listing", error))?;
+        let mut connection = self.connection();
+        let transaction = connection.transaction()?;
+        let earlier: Option<String> = transaction
+            .prepare_cached("SELECT body FROM arenas WHERE name = ?1")?
+            .query_row([&arena.name], |row| row.get(0))
+            .optional()?;
+        match earlier {
+            Some(body) if body == arena.body => return Ok(false),
+            Some(_) => return Err(SaveArenaError::NameTaken),
+            None => {}
+        }
+        let stored: u32 =
+            transaction.query_row("SELECT count(*) FROM arenas", [], |row| row.get(0))?;
+        if stored >= limit {
+            return Err(SaveArenaError::Full(limit));
+        }
+        transaction
+            .prepare_cached("INSERT INTO arenas (name, listing, body) VALUES (?1, ?2, ?3)")?
+            .execute(params![arena.name, listing, arena.body])?;
+        transaction.commit()?;
+        Ok(true)
+    }
+
+    /// An uploaded arena as JSON; `None` when there is none of this name.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn arena(&self, name: &str) -> Result<Option<String>, StoreError> {
+        Ok(self
+            .connection()
+            .prepare_cached("SELECT body FROM arenas WHERE name = ?1")?
+            .query_row([name], |row| row.get(0))
+            .optional()?)
+    }
+
+    /// The figures of every uploaded arena, by name.
+    ///
+    /// # Errors
+    /// When the database fails or holds what cannot be read.
+    pub fn arenas(&self) -> Result<Vec<ArenaListing>, StoreError> {
+        self.connection()
+            .prepare_cached("SELECT listing FROM arenas ORDER BY name")?
+            .query_map([], |row| row.get(0))?
+            .map(|listing: rusqlite::Result<String>| {
+                serde_json::from_str(&listing?)
+                    .map_err(|error| StoreError::unreadable("listing", error))
+            })
+            .collect()
+    }
+
+    /// Deletes an uploaded arena that no stored run uses.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn delete_arena(&self, name: &str) -> Result<ArenaDeletion, StoreError> {
+        let mut connection = self.connection();
+        let transaction = connection.transaction()?;
+        let runs = from_sql(transaction.query_row(
+            "SELECT count(*) FROM run_arenas WHERE arena = ?1",
+            [name],
+            |row| row.get(0),
+        )?);
+        if runs > 0 {
+            return Ok(ArenaDeletion::InUse { runs });
+        }
+        let deleted = transaction.execute("DELETE FROM arenas WHERE name = ?1", [name])?;
+        transaction.commit()?;
+        Ok(if deleted > 0 {
+            ArenaDeletion::Deleted
+        } else {
+            ArenaDeletion::Unknown
+        })
+    }
+}

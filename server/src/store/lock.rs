@@ -1,0 +1,40 @@
+//! One process a data directory: an advisory lock that the system drops with the process.
+
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{Read, Seek, Write};
+use std::path::Path;
+
+use super::StoreError;
+
+/// Takes the lock and writes this process's id into it, for the message that the next one shows.
+///
+/// # Errors
+/// `InUse` when another process holds it, `Io` when the file cannot be opened.
+pub fn acquire(dir: &Path) -> Result<File, StoreError> {
+    let path = dir.join("lock");
+    let mut file = OpenOptions::new()
+        .read(true)
+        .write(true)
+        .create(true)
+        .truncate(false)
+        .open(&path)
+        .map_err(StoreError::io(&path))?;
+    match file.try_lock() {
+        Ok(()) => {}
+        Err(TryLockError::WouldBlock) => {
+            let mut holder = String::new();
+            // The id is a help only: a lock file without one still means that the directory is held.
+            let _ = file.read_to_string(&mut holder);
+            return Err(StoreError::InUse {
+                dir: dir.to_owned(),
+                pid: holder.trim().parse().ok(),
+            });
+        }
+        Err(TryLockError::Error(source)) => return Err(StoreError::io(&path)(source)),
+    }
+    file.set_len(0)
+        .and_then(|()| file.rewind())
+        .and_then(|()| writeln!(file, "{}", std::process::id()))
+        .map_err(StoreError::io(&path))?;
+    Ok(file)
+}

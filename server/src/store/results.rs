@@ -1,0 +1,74 @@
+//! What runs found: coverage while they run, and the result once they are done.
+
+use rusqlite::{OptionalExtension, params};
+use serde::{Deserialize, Serialize};
+use swarm::run::CurveRow;
+
+use super::{RunSeq, Store, StoreError};
+
+/// What a run has covered so far.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Coverage {
+    /// One row a completed counted epoch.
+    pub curve: Vec<CurveRow>,
+    /// Entries counted a square, row by row from the lowest y.
+    pub visits: Vec<u32>,
+    /// Steps spent a square, same shape.
+    pub dwell: Vec<u32>,
+}
+
+/// What a finished run leaves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finished {
+    /// `result.json`.
+    pub result: api::RunResult,
+    /// The whole curve and the final counts.
+    pub coverage: Coverage,
+}
+
+impl Store {
+    /// The coverage of a finished run; `None` when it is not finished.
+    ///
+    /// # Errors
+    /// When the database fails or holds what cannot be read.
+    pub fn coverage(&self, run: RunSeq) -> Result<Option<Coverage>, StoreError> {
+        let blob: Option<Vec<u8>> = self
+            .connection()
+            .prepare_cached("SELECT coverage FROM results WHERE run = ?1")?
+            .query_row([run], |row| row.get(0))
+            .optional()?;
+        blob.map(|blob| {
+            postcard::from_bytes(&blob).map_err(|error| StoreError::unreadable("coverage", error))
+        })
+        .transpose()
+    }
+
+    /// Stores what a run found and makes it done, as one. Returns whether the run was still wanted:
+    /// a run that was cancelled or deleted meanwhile stays so, and nothing is stored.
+    ///
+    /// # Errors
+    /// When the database fails; nothing is stored then.
+    pub fn finish(&self, run: RunSeq, finished: &Finished) -> Result<bool, StoreError> {
+        let coverage = postcard::to_allocvec(&finished.coverage)
+            .map_err(|error| StoreError::unreadable("coverage", error))?;
+        let result = serde_json::to_string(&finished.result)
+            .map_err(|error| StoreError::unreadable("result", error))?;
+        let mut connection = self.connection();
+        let transaction = connection.transaction()?;
+        let changed = transaction
+            .prepare_cached(
+                "UPDATE runs SET state = 'done', phase = 'done', epochs_done = epochs_total,
+                    robot_steps_done = ?2, robot_steps_total = ?2
+                 WHERE seq = ?1 AND state IN ('queued', 'running', 'paused')",
+            )?
+            .execute(params![run, super::to_sql(finished.result.steps)])?;
+        if changed == 0 {
+            return Ok(false);
+        }
+        transaction
+            .prepare_cached("INSERT INTO results (run, result, coverage) VALUES (?1, ?2, ?3)")?
+            .execute(params![run, result, coverage])?;
+        transaction.commit()?;
+        Ok(true)
+    }
+}

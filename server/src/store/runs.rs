@@ -1,0 +1,293 @@
+//! Runs: shared between the jobs that ask for the same spec, claimed by workers, ended once.
+
+use rusqlite::{Connection, OptionalExtension, Row, params};
+
+use super::jobs::JobSeq;
+use super::state::{Position, RunState};
+use super::{Store, StoreError, from_sql, to_sql};
+
+/// Key of a run. Never used twice.
+pub type RunSeq = i64;
+
+/// A run that a worker may now step.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ClaimedRun {
+    /// Key.
+    pub seq: RunSeq,
+    /// Hash of the spec, in hex.
+    pub id: String,
+    /// The resolved spec, as JSON.
+    pub spec: String,
+}
+
+/// A run whose state was changed from outside, or that was deleted.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StoppedRun {
+    /// Key.
+    pub seq: RunSeq,
+    /// Hash of the spec, in hex.
+    pub id: String,
+}
+
+/// A run as stored.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunView {
+    /// Key.
+    pub seq: RunSeq,
+    /// Hash of the spec, in hex.
+    pub id: String,
+    /// The job that it was found through, or the first that has it.
+    pub job: JobSeq,
+    /// Place in that job.
+    pub ordinal: u64,
+    /// Seed.
+    pub seed: u64,
+    /// Name of the target arena.
+    pub arena: String,
+    /// Name of the method.
+    pub method: String,
+    /// Where it is in its life.
+    pub state: RunState,
+    /// Counted epochs in all.
+    pub epochs_total: u32,
+    /// Robot-steps in all.
+    pub robot_steps_total: u64,
+    /// What it found, when it is done.
+    pub result: Option<api::RunResult>,
+}
+
+const VIEW: &str = "SELECT runs.seq, id, job, ordinal, seed, arena, method, state, phase,
+        epochs_done, robot_steps_done, reason, epochs_total, robot_steps_total, result
+    FROM job_runs JOIN runs ON runs.seq = job_runs.run
+    LEFT JOIN results ON results.run = runs.seq";
+
+impl Store {
+    /// Makes runs wait again that a dead process held; removes checkpoints that nothing needs.
+    /// Returns every waiting run of every active job, in order of jobs and of places in them.
+    ///
+    /// # Errors
+    /// When the database fails or the checkpoints cannot be listed.
+    pub fn recover(&self) -> Result<Vec<(JobSeq, RunSeq)>, StoreError> {
+        let connection = self.connection();
+        connection.execute(
+            "UPDATE runs SET state = 'queued' WHERE state = 'running'",
+            [],
+        )?;
+        let unfinished = connection
+            .prepare("SELECT id FROM runs WHERE state IN ('queued', 'paused')")?
+            .query_map([], |row| row.get(0))?
+            .collect::<Result<_, _>>()?;
+        self.checkpoints().sweep(&unfinished)?;
+        let waiting = connection
+            .prepare(
+                "SELECT job, run FROM job_runs JOIN jobs ON jobs.seq = job
+                 JOIN runs ON runs.seq = run
+                 WHERE runs.state = 'queued' AND jobs.intent = 'active' ORDER BY job, ordinal",
+            )?
+            .query_map([], |row| Ok((row.get(0)?, row.get(1)?)))?
+            .collect::<Result<_, _>>()?;
+        Ok(waiting)
+    }
+
+    /// The job's waiting runs, in order.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn waiting(&self, job: JobSeq) -> Result<Vec<RunSeq>, StoreError> {
+        Ok(self
+            .connection()
+            .prepare_cached(
+                "SELECT run FROM job_runs JOIN runs ON runs.seq = run
+                 WHERE job = ?1 AND state = 'queued' ORDER BY ordinal",
+            )?
+            .query_map([job], |row| row.get(0))?
+            .collect::<Result<_, _>>()?)
+    }
+
+    /// Makes a waiting run running; `None` when it does not wait any more.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn claim(&self, run: RunSeq) -> Result<Option<ClaimedRun>, StoreError> {
+        Ok(self
+            .connection()
+            .prepare_cached(
+                "UPDATE runs SET state = 'running' WHERE seq = ?1 AND state = 'queued'
+                 RETURNING seq, id, spec",
+            )?
+            .query_row([run], |row| {
+                Ok(ClaimedRun {
+                    seq: row.get(0)?,
+                    id: row.get(1)?,
+                    spec: row.get(2)?,
+                })
+            })
+            .optional()?)
+    }
+
+    /// Stores how far a run is that its worker lets go of. A running one waits again. Returns
+    /// whether it is still wanted, and with it its checkpoint.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn park(
+        &self,
+        run: RunSeq,
+        position: &Position,
+        robot_steps_total: u64,
+    ) -> Result<bool, StoreError> {
+        let changed = self
+            .connection()
+            .prepare_cached(
+                "UPDATE runs SET state = CASE state WHEN 'running' THEN 'queued' ELSE state END,
+                    phase = ?2, epochs_done = ?3, robot_steps_done = ?4, robot_steps_total = ?5
+                 WHERE seq = ?1 AND state IN ('queued', 'running', 'paused')",
+            )?
+            .execute(params![
+                run,
+                position.phase,
+                position.epochs_done,
+                to_sql(position.robot_steps_done),
+                to_sql(robot_steps_total)
+            ])?;
+        Ok(changed > 0)
+    }
+
+    /// Ends a run by an error, unless it has ended otherwise meanwhile.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn fail(&self, run: RunSeq, reason: &str) -> Result<(), StoreError> {
+        self.connection()
+            .prepare_cached(
+                "UPDATE runs SET state = 'failed', reason = ?2
+                 WHERE seq = ?1 AND state IN ('queued', 'running', 'paused')",
+            )?
+            .execute(params![run, reason])?;
+        Ok(())
+    }
+
+    /// Cancels one run, in whatever jobs it is. Returns it when it was unfinished.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn cancel_run(&self, run: RunSeq) -> Result<Option<StoppedRun>, StoreError> {
+        Ok(self
+            .connection()
+            .prepare_cached(
+                "UPDATE runs SET state = 'cancelled'
+                 WHERE seq = ?1 AND state IN ('queued', 'running', 'paused') RETURNING seq, id",
+            )?
+            .query_row([run], |row| {
+                Ok(StoppedRun {
+                    seq: row.get(0)?,
+                    id: row.get(1)?,
+                })
+            })
+            .optional()?)
+    }
+
+    /// Whether a run exists and has not ended.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn is_unfinished(&self, run: RunSeq) -> Result<bool, StoreError> {
+        Ok(self
+            .connection()
+            .prepare_cached(
+                "SELECT EXISTS (SELECT 1 FROM runs
+                 WHERE seq = ?1 AND state IN ('queued', 'running', 'paused'))",
+            )?
+            .query_row([run], |row| row.get(0))?)
+    }
+
+    /// A run by its id; `None` when there is none.
+    ///
+    /// # Errors
+    /// When the database fails or holds what cannot be read.
+    pub fn run(&self, id: &str) -> Result<Option<RunView>, StoreError> {
+        self.connection()
+            .prepare_cached(&format!(
+                "{VIEW} WHERE id = ?1 ORDER BY job, ordinal LIMIT 1"
+            ))?
+            .query_row([id], |row| Ok(view(row)))
+            .optional()?
+            .transpose()
+    }
+
+    /// The resolved spec of a run, as JSON; `None` when there is no such run.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn spec(&self, run: RunSeq) -> Result<Option<String>, StoreError> {
+        Ok(self
+            .connection()
+            .prepare_cached("SELECT spec FROM runs WHERE seq = ?1")?
+            .query_row([run], |row| row.get(0))
+            .optional()?)
+    }
+
+    /// At most `limit` runs of a job from place `from` on, in order.
+    ///
+    /// # Errors
+    /// When the database fails or holds what cannot be read.
+    pub fn runs(&self, job: JobSeq, from: u64, limit: u32) -> Result<Vec<RunView>, StoreError> {
+        self.connection()
+            .prepare_cached(&format!(
+                "{VIEW} WHERE job = ?1 AND ordinal >= ?2 ORDER BY ordinal LIMIT ?3"
+            ))?
+            .query_map(params![job, to_sql(from), limit], |row| Ok(view(row)))?
+            .collect::<Result<Vec<_>, _>>()?
+            .into_iter()
+            .collect()
+    }
+}
+
+/// Brings the unfinished runs of a job in line with what their jobs want: run, hold or drop.
+pub fn settle(connection: &Connection, job: JobSeq) -> rusqlite::Result<Vec<StoppedRun>> {
+    connection
+        .prepare_cached(
+            "WITH wants AS (
+                SELECT mine.run AS run, max(CASE jobs.intent WHEN 'active' THEN 2 WHEN 'paused' THEN 1 ELSE 0 END) AS want
+                FROM job_runs mine JOIN job_runs every ON every.run = mine.run
+                JOIN jobs ON jobs.seq = every.job
+                WHERE mine.job = ?1 GROUP BY mine.run)
+             UPDATE runs SET state = CASE want WHEN 2 THEN 'queued' WHEN 1 THEN 'paused' ELSE 'cancelled' END
+             FROM wants WHERE runs.seq = wants.run AND (
+                (want = 2 AND state = 'paused')
+                OR (want = 1 AND state IN ('queued', 'running'))
+                OR (want = 0 AND state IN ('queued', 'running', 'paused')))
+             RETURNING seq, id",
+        )?
+        .query_map([job], |row| Ok(StoppedRun { seq: row.get(0)?, id: row.get(1)? }))?
+        .collect()
+}
+
+fn view(row: &Row<'_>) -> Result<RunView, StoreError> {
+    let state: String = row.get("state")?;
+    let phase: Option<String> = row.get("phase")?;
+    let epochs_done = row.get("epochs_done")?;
+    let robot_steps_done = from_sql(row.get("robot_steps_done")?);
+    let position = phase.map(|phase| Position {
+        phase,
+        epochs_done,
+        robot_steps_done,
+    });
+    let result: Option<String> = row.get("result")?;
+    Ok(RunView {
+        seq: row.get("seq")?,
+        id: row.get("id")?,
+        job: row.get("job")?,
+        ordinal: from_sql(row.get("ordinal")?),
+        seed: from_sql(row.get("seed")?),
+        arena: row.get("arena")?,
+        method: row.get("method")?,
+        state: RunState::from_columns(&state, position, row.get("reason")?)?,
+        epochs_total: row.get("epochs_total")?,
+        robot_steps_total: from_sql(row.get("robot_steps_total")?),
+        result: result
+            .map(|text| serde_json::from_str(&text))
+            .transpose()
+            .map_err(|error| StoreError::unreadable("result", error))?,
+    })
+}

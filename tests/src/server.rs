@@ -1,0 +1,111 @@
+//! `evswarm serve` as a process of its own, ended when the test is.
+
+use std::fs::{self, File};
+use std::io::{BufRead, BufReader};
+use std::ops::Deref;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::mpsc;
+use std::time::Duration;
+
+use rustix::process::{Pid, Signal, kill_process};
+
+use crate::http::Client;
+use crate::{program, wait};
+
+/// A server on a free port.
+pub struct Server {
+    child: Child,
+    client: Client,
+    log: PathBuf,
+}
+
+impl Server {
+    /// Starts a server with two threads on this data directory. Its channels are under the same
+    /// directory, apart from those of all other servers.
+    pub fn start(data: &Path) -> Self {
+        Self::start_with(data, &["--threads", "2"])
+    }
+
+    /// Starts a server with further arguments.
+    pub fn start_with(data: &Path, arguments: &[&str]) -> Self {
+        let log = data.join("server.log");
+        let mut child = Command::new(program("evswarm"))
+            .args(["serve", "--listen", "127.0.0.1:0", "--data"])
+            .arg(data.join("data"))
+            .args(arguments)
+            .env("XDG_RUNTIME_DIR", data)
+            .env_remove("EVSWARM_TOKEN")
+            .env_remove("RUST_LOG")
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(
+                File::options()
+                    .create(true)
+                    .append(true)
+                    .open(&log)
+                    .unwrap(),
+            )
+            .spawn()
+            .unwrap();
+        let output = BufReader::new(child.stdout.take().unwrap());
+        let (sender, receiver) = mpsc::channel();
+        // Reads on after the first line: a server must not meet a closed standard output.
+        std::thread::spawn(move || {
+            for line in output.lines().map_while(Result::ok) {
+                // The test may have all it wants to know.
+                let _ = sender.send(line);
+            }
+        });
+        let line = receiver.recv_timeout(Duration::from_secs(30));
+        let Ok(line) = line else {
+            let _ = child.kill();
+            panic!("no server: {}", fs::read_to_string(&log).unwrap());
+        };
+        let url = line.strip_prefix("evswarm listens on ").unwrap();
+        Self {
+            client: Client::new(url.trim_end_matches('/')),
+            child,
+            log,
+        }
+    }
+
+    /// Ends the server at once, as a crash or a power cut does.
+    pub fn kill(mut self) {
+        self.child.kill().unwrap();
+        wait::for_exit(&mut self.child);
+    }
+
+    /// Asks the server to end, and waits until it has.
+    pub fn terminate(mut self) -> ExitStatus {
+        signal(&self.child, Signal::TERM);
+        wait::for_exit(&mut self.child)
+    }
+}
+
+/// Sends a signal to a process that was started here.
+pub fn signal(child: &Child, signal: Signal) {
+    kill_process(Pid::from_child(child), signal).unwrap();
+}
+
+impl Deref for Server {
+    type Target = Client;
+
+    fn deref(&self) -> &Client {
+        &self.client
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        // It may have ended already.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+        let log = fs::read_to_string(&self.log).unwrap_or_default();
+        if std::thread::panicking() {
+            eprintln!("the server's log:\n{log}");
+        } else {
+            assert!(!log.contains("panicked"), "{log}");
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! A program of its own reads a run's frames from shared memory, and the run is none the wiser.
+#![allow(clippy::unwrap_used)]
+
+use std::process::{Command, Stdio};
+
+use api::State;
+use api::frames::ChannelDescription;
+use serde_json::json;
+use tests::files::Findings;
+use tests::server::Server;
+use tests::{job, program, small_spec, wait};
+
+#[test]
+fn a_reader_gets_frames_while_the_run_goes_on() {
+    let home = tempfile::tempdir().unwrap();
+    let server = Server::start(home.path());
+    let mut spec = small_spec();
+    spec["epochs"] = json!(100_000);
+    spec["steps_per_epoch"] = json!(2_000);
+    spec["channels"] = json!(true);
+    spec["robots"] = json!(4);
+    spec["placement"] = json!("grid");
+    let posted = server.submit(&job(spec, 1));
+    let id = server.only_run(&posted).id;
+
+    let channels: Vec<ChannelDescription> = server.read(&format!("/v1/runs/{id}/channels"));
+    assert_eq!(channels.len(), 1);
+    let root = home.path().join("evswarm");
+    assert_eq!(channels[0].root_path, root.to_str().unwrap());
+    let mut reader = Command::new(program("examples/watch_frames"))
+        .args([&id, "--frames", "30", "--root"])
+        .arg(&root)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let status = wait::for_exit(&mut reader);
+    let output = reader.wait_with_output().unwrap();
+    let text = String::from_utf8_lossy(&output.stdout);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(status.success(), "{text}{errors}");
+    assert!(
+        text.contains("exploration") && text.contains("4 robots"),
+        "{text}"
+    );
+    assert!(text.contains("robot 0: x 0."), "{text}");
+
+    assert_eq!(server.only_run(&posted).state, State::Running);
+    assert_eq!(server.terminate().code(), Some(0));
+}
+
+#[test]
+fn a_run_with_channels_finds_what_it_finds_without() {
+    let home = tempfile::tempdir().unwrap();
+    let server = Server::start(home.path());
+    let mut spec = small_spec();
+    spec["controller"] = json!({ "method": "im" });
+    spec["epochs"] = json!(20);
+    let mut findings = Vec::new();
+    for channels in [false, true] {
+        spec["channels"] = json!(channels);
+        let done = server.wait_for(&server.submit(&job(spec.clone(), 1)));
+        findings.push(server.only_run(&done));
+    }
+    assert_ne!(findings[0].id, findings[1].id);
+    assert_eq!(findings[0].result, findings[1].result);
+    let [without, with] = [0, 1].map(|place| Findings::of_run(&server, &findings[place].id));
+    assert_eq!(without.differing(&with), ["spec.json"]);
+}

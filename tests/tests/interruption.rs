@@ -1,0 +1,148 @@
+//! The same spec gives the same files on any number of threads, through a server or not, and
+//! whether or not the process was killed on the way.
+#![allow(clippy::unwrap_used)]
+
+use std::fs;
+use std::path::Path;
+use std::process::Child;
+use std::sync::OnceLock;
+
+use rustix::process::Signal;
+use serde_json::{Value, json};
+use tests::command::{self, Done};
+use tests::files::Findings;
+use tests::server::{Server, signal};
+use tests::wait;
+
+/// All phases, with two robots that meet; long enough to be killed in the middle.
+fn spec() -> Value {
+    json!({
+        "seed": 7, "arena": "maze", "robots": 2, "placement": "grid",
+        "controller": { "method": "ev-iter-c", "train": { "arena": "easy", "epochs": 100 } },
+        "epochs": 800
+    })
+}
+
+/// What the run finds when nothing happens to it.
+fn undisturbed() -> &'static Findings {
+    static FINDINGS: OnceLock<Findings> = OnceLock::new();
+    FINDINGS.get_or_init(|| {
+        let home = tempfile::tempdir().unwrap();
+        findings(&spec(), &home.path().join("out"), "1")
+    })
+}
+
+fn findings(spec: &Value, out: &Path, threads: &str) -> Findings {
+    let done = command::run(spec, out, threads);
+    assert_eq!(done.code, Some(0), "{done:?}");
+    Findings::of_directory(out)
+}
+
+#[test]
+fn threads_do_not_matter() {
+    let home = tempfile::tempdir().unwrap();
+    let two = findings(&spec(), &home.path().join("two"), "2");
+    undisturbed().assert_same(&two, "two threads");
+    assert!(two.result().p1 > 1_000, "{:?}", two.result());
+
+    // Enough robots in one arena that threads share them.
+    let crowd = json!({
+        "arena": {
+            "name": "hall", "width_m": 8.0, "height_m": 8.0,
+            "starts": [{ "x_m": 4.0, "y_m": 4.0, "heading_rad": 0.0 }]
+        },
+        "robots": 2_000, "placement": "random", "episodes": "continue",
+        "controller": { "method": "im" }, "epochs": 2, "steps_per_epoch": 100
+    });
+    let one = findings(&crowd, &home.path().join("crowd-1"), "1");
+    let two = findings(&crowd, &home.path().join("crowd-2"), "2");
+    one.assert_same(&two, "a crowd on two threads");
+    assert!(one.result().collisions > 0);
+}
+
+#[test]
+fn a_killed_server_goes_on() {
+    let home = tempfile::tempdir().unwrap();
+    let server = Server::start(home.path());
+    let mut base = spec();
+    let seed = base.as_object_mut().unwrap().remove("seed").unwrap();
+    let job = server.submit(&json!({ "base": base, "seeds": [seed] }));
+    let id = server.only_run(&job).id;
+    let progress = wait::until("a checkpoint in the middle", || {
+        let progress = server.only_run(&job).progress?;
+        assert!(
+            progress.fraction < 1.0,
+            "it was done before it could be killed"
+        );
+        (progress.fraction > 0.3 && holds_file(&home.path().join("data/checkpoints")))
+            .then_some(progress)
+    });
+    server.kill();
+
+    let server = Server::start(home.path());
+    let again = wait::until("the run", || server.only_run(&job).progress);
+    assert!(again.robot_steps_done > 0, "{again:?} after {progress:?}");
+    server.wait_for(&job);
+    undisturbed().assert_same(&Findings::of_run(&server, &id), "a killed server");
+}
+
+fn holds_file(directory: &Path) -> bool {
+    fs::read_dir(directory).is_ok_and(|entries| {
+        entries.flatten().any(|entry| {
+            entry
+                .metadata()
+                .is_ok_and(|data| data.is_file() && data.len() > 0)
+        })
+    })
+}
+
+#[test]
+fn a_stopped_and_a_killed_command_go_on() {
+    let home = tempfile::tempdir().unwrap();
+    let (file, out) = (home.path().join("spec.json"), home.path().join("out"));
+    fs::write(&file, spec().to_string()).unwrap();
+    let start = || {
+        let arguments = [
+            "run",
+            file.to_str().unwrap(),
+            "--out",
+            out.to_str().unwrap(),
+        ];
+        command::start(&arguments, home.path())
+    };
+    let wait_until_begun = |child: &mut Child| {
+        wait::until("the run to begin", || {
+            home.path().join("out.partial").is_dir().then_some(())
+        });
+        std::thread::sleep(std::time::Duration::from_millis(700));
+        assert!(child.try_wait().unwrap().is_none(), "it was done too soon");
+        assert!(!out.exists(), "all files or none");
+    };
+
+    let mut child = start();
+    wait_until_begun(&mut child);
+    signal(&child, Signal::INT);
+    let stopped = command::finish(child);
+    assert_eq!(stopped.code, Some(1));
+    assert!(stopped.stderr.contains("goes on from here"), "{stopped:?}");
+
+    let mut child = start();
+    wait_until_begun(&mut child);
+    let second = command::finish(start());
+    assert_eq!(second.code, Some(1));
+    assert!(second.stderr.contains("another process"), "{second:?}");
+    child.kill().unwrap();
+    let killed = command::finish(child);
+    assert_eq!(killed.code, None);
+    assert!(killed.stderr.contains("going on at"), "{killed:?}");
+
+    let done: Done = command::finish(start());
+    assert_eq!(done.code, Some(0), "{done:?}");
+    assert!(done.stderr.contains("going on at"), "{done:?}");
+    undisturbed().assert_same(&Findings::of_directory(&out), "a killed command");
+    assert!(!home.path().join("out.partial").exists());
+
+    let complete = command::finish(start());
+    assert_eq!(complete.code, Some(0));
+    assert!(complete.stdout.contains("already complete"), "{complete:?}");
+}
