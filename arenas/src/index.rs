@@ -76,14 +76,23 @@ impl WallIndex {
     /// they touch during a step, and sees walls up to `reach_m` from its centre.
     pub fn new(arena: &Arena, contact_m: f64, reach_m: f64) -> Self {
         let (width, height) = (arena.width_m(), arena.height_m());
-        let cell_m = (width * height / CELLS).sqrt().clamp(SMALLEST_CELL_M, LARGEST_CELL_M);
+        let cell_m = (width * height / CELLS)
+            .sqrt()
+            .clamp(SMALLEST_CELL_M, LARGEST_CELL_M);
         let columns = (width / cell_m).ceil() as usize;
         let rows = (height / cell_m).ceil() as usize;
         let half_diagonal = cell_m * std::f64::consts::FRAC_1_SQRT_2 + 1e-6;
-        let (near_m, far_m) = (contact_m + half_diagonal, reach_m.max(contact_m) + half_diagonal);
+        let (near_m, far_m) = (
+            contact_m + half_diagonal,
+            reach_m.max(contact_m) + half_diagonal,
+        );
 
-        let segments: Vec<Segment> =
-            arena.boundary().iter().chain(arena.walls()).copied().collect();
+        let segments: Vec<Segment> = arena
+            .boundary()
+            .iter()
+            .chain(arena.walls())
+            .copied()
+            .collect();
         let centre = |row: usize, column: usize| {
             Point2::new((column as f64 + 0.5) * cell_m, (row as f64 + 0.5) * cell_m)
         };

@@ -65,8 +65,8 @@ fn main() -> Result<()> {
         .with_context(|| format!("writing {}", options.out.display()))?;
     println!("\nfigures: {}", options.out.display());
     if let Some(base) = &options.base {
-        let text = std::fs::read_to_string(base)
-            .with_context(|| format!("reading {}", base.display()))?;
+        let text =
+            std::fs::read_to_string(base).with_context(|| format!("reading {}", base.display()))?;
         let base: Vec<Figure> = serde_json::from_str(&text)?;
         println!("\nagainst the earlier figures:");
         for line in compare::lines(&base, &figures) {

@@ -45,7 +45,11 @@ impl Drive {
         let limit = p.max_wheel_acceleration_rad_s2 * p.step_s;
         Self {
             top_speed_rad_s: p.max_wheel_speed_rad_s as f32,
-            acceleration_rad_s_step: if limit == 0.0 { f32::INFINITY } else { limit as f32 },
+            acceleration_rad_s_step: if limit == 0.0 {
+                f32::INFINITY
+            } else {
+                limit as f32
+            },
             slip: p.wheel_slip as f32,
             half_turn_s: (p.wheel_radius_m * p.step_s / (2.0 * p.axle_m)) as f32,
             advance_m_s: (p.wheel_radius_m * p.step_s / 2.0) as f32,
@@ -83,16 +87,22 @@ impl Drive {
         let h2 = half * half;
         // Taylor polynomials, |half| <= 0.79: errors below 4e-8 (sine) and 3e-7 (cosine).
         let sinc = 1.0
-            + h2 * (-1.0 / 6.0 + h2 * (1.0 / 120.0 + h2 * (-1.0 / 5_040.0 + h2 * (1.0 / 362_880.0))));
-        let ch = 1.0
-            + h2 * (-0.5 + h2 * (1.0 / 24.0 + h2 * (-1.0 / 720.0 + h2 * (1.0 / 40_320.0))));
+            + h2 * (-1.0 / 6.0
+                + h2 * (1.0 / 120.0 + h2 * (-1.0 / 5_040.0 + h2 * (1.0 / 362_880.0))));
+        let ch =
+            1.0 + h2 * (-0.5 + h2 * (1.0 / 24.0 + h2 * (-1.0 / 720.0 + h2 * (1.0 / 40_320.0))));
         let sh = half * sinc;
         let (mid_cos, mid_sin) = (cos * ch - sin * sh, sin * ch + cos * sh);
         let chord = (left_rad_s + right_rad_s) * self.advance_m_s * sinc;
         let (c, s) = (mid_cos * ch - mid_sin * sh, mid_sin * ch + mid_cos * sh);
         // One Newton step of 1 / sqrt(c^2 + s^2) from 1 keeps the heading a unit vector.
         let scale = 1.5 - 0.5 * (c * c + s * s);
-        Motion { dx_m: chord * mid_cos, dy_m: chord * mid_sin, cos: c * scale, sin: s * scale }
+        Motion {
+            dx_m: chord * mid_cos,
+            dy_m: chord * mid_sin,
+            cos: c * scale,
+            sin: s * scale,
+        }
     }
 }
 
@@ -107,18 +117,32 @@ mod tests {
         let w = p.wheel_radius_m * (right - left) / p.axle_m;
         let turn = w * p.step_s;
         if w.abs() < 1e-12 {
-            return (v * p.step_s * heading.cos(), v * p.step_s * heading.sin(), heading);
+            return (
+                v * p.step_s * heading.cos(),
+                v * p.step_s * heading.sin(),
+                heading,
+            );
         }
         let r = v / w;
         let end = heading + turn;
-        (r * (end.sin() - heading.sin()), r * (heading.cos() - end.cos()), end)
+        (
+            r * (end.sin() - heading.sin()),
+            r * (heading.cos() - end.cos()),
+            end,
+        )
     }
 
     #[test]
     fn follows_the_exact_arc() {
         let model = RobotModel::default();
         let drive = Drive::new(&model);
-        for (left, right) in [(6.28, 6.28), (6.28, -6.28), (3.0, 1.0), (-2.0, 5.0), (0.0, 0.0)] {
+        for (left, right) in [
+            (6.28, 6.28),
+            (6.28, -6.28),
+            (3.0, 1.0),
+            (-2.0, 5.0),
+            (0.0, 0.0),
+        ] {
             for heading in [0.0_f64, 1.0, 2.5, -3.0] {
                 let m = drive.step(
                     left as f32,
@@ -127,7 +151,10 @@ mod tests {
                     heading.sin() as f32,
                 );
                 let (x, y, end) = arc(&model, left, right, heading);
-                assert!((f64::from(m.dx_m) - x).abs() < 1e-8, "{left} {right} {heading}");
+                assert!(
+                    (f64::from(m.dx_m) - x).abs() < 1e-8,
+                    "{left} {right} {heading}"
+                );
                 assert!((f64::from(m.dy_m) - y).abs() < 1e-8);
                 assert!((f64::from(m.cos) - end.cos()).abs() < 1e-6);
                 assert!((f64::from(m.sin) - end.sin()).abs() < 1e-6);
@@ -147,7 +174,10 @@ mod tests {
         // 6.28 rad/s at 10 rad/s2 and 0.064 s a step.
         assert_eq!(steps, 10);
         assert_eq!(drive.accelerate(speed, 5.0), speed);
-        assert_eq!(drive.accelerate(speed, f32::NAN), drive.accelerate(speed, -1.0));
+        assert_eq!(
+            drive.accelerate(speed, f32::NAN),
+            drive.accelerate(speed, -1.0)
+        );
     }
 
     #[test]

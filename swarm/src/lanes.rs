@@ -60,7 +60,11 @@ impl F8 {
     pub fn min(self, other: F8) -> F8 {
         let mut out = [0.0; LANES];
         for k in 0..LANES {
-            out[k] = if self.0[k] < other.0[k] { self.0[k] } else { other.0[k] };
+            out[k] = if self.0[k] < other.0[k] {
+                self.0[k]
+            } else {
+                other.0[k]
+            };
         }
         F8(out)
     }
@@ -70,7 +74,11 @@ impl F8 {
     pub fn max(self, other: F8) -> F8 {
         let mut out = [0.0; LANES];
         for k in 0..LANES {
-            out[k] = if self.0[k] > other.0[k] { self.0[k] } else { other.0[k] };
+            out[k] = if self.0[k] > other.0[k] {
+                self.0[k]
+            } else {
+                other.0[k]
+            };
         }
         F8(out)
     }

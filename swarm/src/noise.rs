@@ -26,7 +26,10 @@ pub fn spread(word: u64) -> U8 {
     // Two rounds of a 32-bit mixer of low bias (C. Wellons), the halves of the word fed in turn.
     let mut x = U8::splat(word as u32).wrapping_add(LANE_OFFSETS);
     x = x.xor(x.shr(16)).wrapping_mul(0x21F0_AAAD);
-    x = x.xor(x.shr(15)).xor(U8::splat((word >> 32) as u32)).wrapping_mul(0xD35A_2D97);
+    x = x
+        .xor(x.shr(15))
+        .xor(U8::splat((word >> 32) as u32))
+        .wrapping_mul(0xD35A_2D97);
     x.xor(x.shr(15))
 }
 
@@ -35,7 +38,9 @@ pub fn spread(word: u64) -> U8 {
 pub fn normals(word: u64) -> F8 {
     let bits = spread(word);
     // Byte sums in two steps: pairs of bytes in 16-bit halves, then the halves.
-    let pairs = bits.and(0x00FF_00FF).wrapping_add(bits.shr(8).and(0x00FF_00FF));
+    let pairs = bits
+        .and(0x00FF_00FF)
+        .wrapping_add(bits.shr(8).and(0x00FF_00FF));
     let sums = pairs.and(0xFFFF).wrapping_add(pairs.shr(16));
     let t = (sums.to_f32() - F8::splat(510.0)) * F8::splat(1.0 / 510.0);
     let t2 = t * t;
@@ -67,7 +72,11 @@ mod tests {
         assert!((m2 / n - 1.0).abs() < 5e-3, "variance {}", m2 / n);
         assert!((m4 / n - 3.0).abs() < 3e-2, "fourth moment {}", m4 / n);
         for (measured, expected) in beyond.iter().zip([0.317_31, 0.045_50, 0.002_70]) {
-            assert!((measured / n / expected - 1.0).abs() < 0.06, "{} {expected}", measured / n);
+            assert!(
+                (measured / n / expected - 1.0).abs() < 0.06,
+                "{} {expected}",
+                measured / n
+            );
         }
     }
 
@@ -81,7 +90,10 @@ mod tests {
                 .zip(&values[lag..])
                 .map(|(x, y)| f64::from(x[a]) * f64::from(y[b]))
                 .sum();
-            assert!((product / steps as f64).abs() < 0.015, "lanes {a} {b} lag {lag}");
+            assert!(
+                (product / steps as f64).abs() < 0.015,
+                "lanes {a} {b} lag {lag}"
+            );
         }
     }
 }

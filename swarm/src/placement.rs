@@ -24,7 +24,11 @@ fn start_pose(x_m: f64, y_m: f64, heading_rad: f64) -> StartPose {
 }
 
 fn refuse(message: String, allowed: String) -> FieldError {
-    FieldError { pointer: "/robots".into(), message, allowed }
+    FieldError {
+        pointer: "/robots".into(),
+        message,
+        allowed,
+    }
 }
 
 /// The start poses of `robots` robots.
@@ -51,7 +55,10 @@ pub fn place(
                     "start poses at least two body radii apart".into(),
                 ));
             }
-            poses[..wanted].iter().map(|p| start_pose(p.x_m, p.y_m, p.heading_rad)).collect()
+            poses[..wanted]
+                .iter()
+                .map(|p| start_pose(p.x_m, p.y_m, p.heading_rad))
+                .collect()
         }
         Placement::Grid => grid(arena, model, index, wanted),
         Placement::Random => random(arena, model, index, wanted, seed, site),
@@ -59,7 +66,11 @@ pub fn place(
     if poses.len() < wanted {
         return Err(refuse(
             format!("{robots} robots do not fit into the arena"),
-            format!("at most {} robots with placement `{}`", poses.len(), placement.name()),
+            format!(
+                "at most {} robots with placement `{}`",
+                poses.len(),
+                placement.name()
+            ),
         ));
     }
     Ok(poses)
@@ -75,7 +86,10 @@ pub fn enough_starts(arena: &Arena, robots: u32) -> Result<(), FieldError> {
         return Ok(());
     }
     Err(refuse(
-        format!("the arena {} has {poses} start poses for {robots} robots", arena.name()),
+        format!(
+            "the arena {} has {poses} start poses for {robots} robots",
+            arena.name()
+        ),
         format!("at most {poses} robots with placement `start`, or placement `grid` or `random`"),
     ))
 }
@@ -109,7 +123,12 @@ fn is_free(index: &WallIndex, x_m: f64, y_m: f64, room_m: f64) -> bool {
 
 /// Grid points around the first start that the body fits on, ring by ring.
 fn grid(arena: &Arena, model: &RobotModel, index: &WallIndex, wanted: usize) -> Vec<StartPose> {
-    let Some(Pose { x_m: x0, y_m: y0, heading_rad }) = arena.starts().first().copied() else {
+    let Some(Pose {
+        x_m: x0,
+        y_m: y0,
+        heading_rad,
+    }) = arena.starts().first().copied()
+    else {
         return Vec::new();
     };
     let radius = model.parameters.body_radius_m;
@@ -118,7 +137,11 @@ fn grid(arena: &Arena, model: &RobotModel, index: &WallIndex, wanted: usize) -> 
     let mut poses = Vec::with_capacity(wanted);
     for ring in 0..=last_ring {
         for row in -ring..=ring {
-            let step = if row.abs() == ring { 1 } else { (2 * ring).max(1) };
+            let step = if row.abs() == ring {
+                1
+            } else {
+                (2 * ring).max(1)
+            };
             for column in (-ring..=ring).step_by(step as usize) {
                 let (x, y) = (x0 + column as f64 * pitch, y0 + row as f64 * pitch);
                 let inside = x > radius
@@ -169,9 +192,9 @@ fn random(
                 && is_free(index, x, y, radius + ROOM_M)
                 && (row.saturating_sub(1)..=(row + 1).min(rows - 1)).all(|r| {
                     (column.saturating_sub(1)..=(column + 1).min(columns - 1)).all(|c| {
-                        cells[r * columns + c]
-                            .iter()
-                            .all(|&(ox, oy)| (ox - x) * (ox - x) + (oy - y) * (oy - y) > apart * apart)
+                        cells[r * columns + c].iter().all(|&(ox, oy)| {
+                            (ox - x) * (ox - x) + (oy - y) * (oy - y) > apart * apart
+                        })
                     })
                 });
             if clear {

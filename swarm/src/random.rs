@@ -47,7 +47,11 @@ pub fn mix64(mut x: u64) -> u64 {
 pub fn stream_key(seed: u64, site: Site, robot: u64, purpose: Purpose) -> u64 {
     let mut key = mix64(seed.wrapping_add(0x9E37_79B9_7F4A_7C15));
     for part in [site as u64, robot, purpose as u64] {
-        key = mix64(key ^ part.wrapping_mul(0xD6E8_FEB8_6659_FD93).wrapping_add(0xA5A5_A5A5));
+        key = mix64(
+            key ^ part
+                .wrapping_mul(0xD6E8_FEB8_6659_FD93)
+                .wrapping_add(0xA5A5_A5A5),
+        );
     }
     key
 }

@@ -36,7 +36,7 @@ pub struct Optics {
     range_m: f32,
     ray_stretch: f32,
     body_radius_m: f32,
-    sight_m2: f32,
+    sight_m: f64,
     gain: f32,
     noise: f32,
     pieces: [Piece; MAX_ROWS],
@@ -91,10 +91,8 @@ impl Optics {
             range_m: (model.response.range_m() / model.parameters.ray_stretch) as f32,
             ray_stretch: model.parameters.ray_stretch as f32,
             body_radius_m: model.parameters.body_radius_m as f32,
-            sight_m2: {
-                let sight_m = model.sensor_reach_m() + model.parameters.body_radius_m;
-                (sight_m * sight_m) as f32
-            },
+            sight_m: (model.sensor_reach_m() + model.parameters.body_radius_m)
+                .max(2.0 * model.parameters.body_radius_m + 4.0 * model.max_step_m()),
             gain: model.parameters.sensor_gain as f32,
             noise: model.parameters.sensor_noise as f32,
             pieces,
@@ -102,10 +100,9 @@ impl Optics {
         }
     }
 
-    /// Square of the distance between centres beyond which no ray can reach another robot.
-    #[inline(always)]
-    pub fn sight_m2(&self) -> f32 {
-        self.sight_m2
+    /// Distance between centres beyond which no ray can reach another robot, metres.
+    pub fn sight_m(&self) -> f64 {
+        self.sight_m
     }
 
     /// The rays of a robot at a pose.
@@ -152,7 +149,10 @@ impl Optics {
         let half = (r2 - across * across).max(zero).sqrt();
         // A ray that starts inside the other body sees it at distance 0.
         let t = (along - half).max(zero);
-        let hit = (across * across).lt(r2).and(zero.lt(along + half)).and(t.lt(best));
+        let hit = (across * across)
+            .lt(r2)
+            .and(zero.lt(along + half))
+            .and(t.lt(best));
         hit.select(t, best)
     }
 

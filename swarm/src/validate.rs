@@ -7,7 +7,11 @@ use crate::run::{MAX_EPOCHS, MAX_ROBOTS, MAX_STEPS_PER_EPOCH};
 use crate::spec::{FieldError, Method, Placement, RunSpec, StatesFrom};
 
 fn error(pointer: &str, message: impl Into<String>, allowed: impl Into<String>) -> FieldError {
-    FieldError { pointer: pointer.into(), message: message.into(), allowed: allowed.into() }
+    FieldError {
+        pointer: pointer.into(),
+        message: message.into(),
+        allowed: allowed.into(),
+    }
 }
 
 impl RunSpec {
@@ -35,7 +39,11 @@ impl RunSpec {
             }
         };
         range("/epochs", self.epochs, MAX_EPOCHS);
-        range("/steps_per_epoch", self.steps_per_epoch, MAX_STEPS_PER_EPOCH);
+        range(
+            "/steps_per_epoch",
+            self.steps_per_epoch,
+            MAX_STEPS_PER_EPOCH,
+        );
         range("/robots", self.robots, MAX_ROBOTS);
         if let Some(training) = &self.controller.training {
             range("/controller/train/epochs", training.epochs, MAX_EPOCHS);
@@ -87,11 +95,17 @@ impl RunSpec {
 
     fn check_arena(&self, arena: &Arena, pointer: &str, errors: &mut Vec<FieldError>) {
         let radius_m = self.robot.parameters.body_radius_m;
-        errors.extend(arena.check_starts(radius_m).into_iter().take(100).map(|e| FieldError {
-            pointer: format!("{pointer}{}", e.pointer),
-            message: e.message,
-            allowed: e.allowed,
-        }));
+        errors.extend(
+            arena
+                .check_starts(radius_m)
+                .into_iter()
+                .take(100)
+                .map(|e| FieldError {
+                    pointer: format!("{pointer}{}", e.pointer),
+                    message: e.message,
+                    allowed: e.allowed,
+                }),
+        );
         if self.placement == Placement::Start
             && let Err(error) = enough_starts(arena, self.robots)
             && !errors.contains(&error)

@@ -11,7 +11,8 @@ use tests::{job, small_spec};
 fn a_job_is_submitted_watched_and_asked_for() {
     let home = tempfile::tempdir().unwrap();
     let server = Server::start(home.path());
-    let url = ["--server", server.url()];
+    let url = server.url().to_owned();
+    let url = ["--server", &url];
     let with = |arguments: &[&str], input: &str| evswarm(&[arguments, &url].concat(), input);
 
     let none = with(&["status"], "");

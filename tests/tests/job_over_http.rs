@@ -35,7 +35,7 @@ fn the_first_job_of_the_readme_is_the_one_that_make_run_posts() {
     for run in &runs {
         agrees_with_itself(&server, run, 20);
     }
-    let states: Vec<_> = runs.iter().map(|run| sha256(run)).collect();
+    let states: Vec<_> = runs.iter().map(sha256).collect();
     assert!(
         states[0] != states[1] && states[1] != states[2],
         "seeds differ"

@@ -17,7 +17,8 @@ use api::frames::{
     ChannelDescription, FRAMES_VERSION, FrameHeader, PHASES, RobotState, RootError, default_root,
     frames_service, transport_config,
 };
-use swarm::run::{Phase, Progress, RobotsView, Run};
+use swarm::run::{Phase, Progress, Run};
+use swarm::world::Body;
 
 pub use ports::ChannelError;
 use ports::{HISTORY, MAX_SUBSCRIBERS, Ports, subscriber_buffer};
@@ -175,22 +176,22 @@ impl FramePublisher {
     /// Most calls do nothing but read the clock.
     pub fn offer(&mut self, run: &Run) {
         if self.is_due() {
-            self.offer_view(&run.robots(), &FrameInfo::of(run));
+            self.offer_bodies(run.robots(), &FrameInfo::of(run));
         }
     }
 
     /// Offers the present moment whatever the time since the last one: for a run that pauses or
     /// ends, whose readers should see where it stands.
     pub fn offer_now(&mut self, run: &Run) {
-        let (view, info) = (run.robots(), FrameInfo::of(run));
+        let (bodies, info) = (run.robots(), FrameInfo::of(run));
         let started = Instant::now();
-        self.slot.put(|frame| fill(frame, &view, &info));
+        self.slot.put(|frame| fill(frame, bodies, &info));
         self.note_copy(started);
     }
 
-    fn offer_view(&mut self, view: &RobotsView<'_>, info: &FrameInfo) {
+    fn offer_bodies(&mut self, bodies: &[Body], info: &FrameInfo) {
         let started = Instant::now();
-        if self.slot.try_put(|frame| fill(frame, view, info)) {
+        if self.slot.try_put(|frame| fill(frame, bodies, info)) {
             self.note_copy(started);
         }
     }
@@ -232,18 +233,19 @@ impl Drop for FramePublisher {
     }
 }
 
-fn fill(frame: &mut Frame, view: &RobotsView<'_>, info: &FrameInfo) {
-    frame.header = info.header(view.x_m.len());
+fn fill(frame: &mut Frame, bodies: &[Body], info: &FrameInfo) {
+    frame.header = info.header(bodies.len());
     frame.robots.clear();
-    frame.robots.extend((0..view.x_m.len()).map(|i| RobotState {
-        number: i as u32,
-        x_m: view.x_m[i],
-        y_m: view.y_m[i],
-        heading_cos: view.heading_cos[i],
-        heading_sin: view.heading_sin[i],
-        sensors: view.sensors[i],
-        commands: view.commands[i],
-    }));
+    let robot = |(number, body): (usize, &Body)| RobotState {
+        number: number as u32,
+        x_m: body.x_m,
+        y_m: body.y_m,
+        heading_cos: body.cos,
+        heading_sin: body.sin,
+        sensors: body.sensors,
+        commands: body.command,
+    };
+    frame.robots.extend(bodies.iter().enumerate().map(robot));
 }
 
 /// What a reader must know to open the channels of a run of `robots` robots; empty when frames of

@@ -110,36 +110,22 @@ fn eventually<T>(what: &str, mut ask: impl FnMut() -> Option<T>) -> T {
 }
 
 /// Robots whose every value tells the robot and the step.
-struct Robots {
-    x_m: Vec<f32>,
-    sensors: Vec<[f32; 8]>,
-    commands: Vec<[f32; 2]>,
-}
-
-impl Robots {
-    fn at(step: u64, count: usize) -> Self {
-        let x_m: Vec<f32> = (0..count)
-            .map(|robot| robot as f32 + step as f32 * 1e-3)
-            .collect();
-        let sensors = x_m.iter().map(|&x| [x; 8]).collect();
-        let commands = x_m.iter().map(|&x| [x, -x]).collect();
-        Self {
-            x_m,
-            sensors,
-            commands,
-        }
-    }
-
-    fn view(&self) -> RobotsView<'_> {
-        RobotsView {
-            x_m: &self.x_m,
-            y_m: &self.x_m,
-            heading_cos: &self.x_m,
-            heading_sin: &self.x_m,
-            sensors: &self.sensors,
-            commands: &self.commands,
-        }
-    }
+fn bodies(step: u64, count: usize) -> Vec<Body> {
+    let start = swarm::world::StartPose {
+        x_m: 0.0,
+        y_m: 0.0,
+        cos: 1.0,
+        sin: 0.0,
+    };
+    (0..count)
+        .map(|robot| {
+            let x_m = robot as f32 + step as f32 * 1e-3;
+            let mut body = Body::at_rest(&start);
+            (body.x_m, body.y_m) = (x_m, x_m);
+            (body.sensors, body.command) = ([x_m; 8], [x_m, -x_m]);
+            body
+        })
+        .collect()
 }
 
 fn info(step: u64) -> FrameInfo {
@@ -158,7 +144,7 @@ fn info(step: u64) -> FrameInfo {
 }
 
 fn offer(publisher: &mut FramePublisher, step: u64, robots: usize) {
-    publisher.offer_view(&Robots::at(step, robots).view(), &info(step));
+    publisher.offer_bodies(&bodies(step, robots), &info(step));
 }
 
 #[test]

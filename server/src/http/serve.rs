@@ -55,7 +55,7 @@ pub fn serve(options: ServeOptions) -> anyhow::Result<()> {
         .enable_all()
         .build()
         .context("cannot start the runtime")?;
-    runtime.block_on(async {
+    let served = runtime.block_on(async {
         let listener = TcpListener::bind(options.listen)
             .await
             .with_context(|| format!("cannot listen on {}", options.listen))?;
@@ -73,7 +73,10 @@ pub fn serve(options: ServeOptions) -> anyhow::Result<()> {
         tokio::task::spawn_blocking(move || scheduler.shut_down())
             .await
             .context("the workers did not end")
-    })
+    });
+    // Nobody waits for the answers that blocking threads may still be working on.
+    runtime.shutdown_timeout(Duration::ZERO);
+    served
 }
 
 fn check(options: &ServeOptions) -> anyhow::Result<()> {

@@ -38,6 +38,7 @@ pub fn attempt(
     claimed: &ClaimedRun,
     live: &LiveRun,
 ) -> Ended {
+    let start = Instant::now();
     let resolved = match stored_spec(store, &claimed.spec) {
         Ok(resolved) => resolved,
         Err(errors) => return Ended::Failed(spec_failure(errors)),
@@ -52,7 +53,8 @@ pub fn attempt(
         .then(|| FramePublisher::open_or_warn(channels, &claimed.id, robots))
         .flatten();
     let mut progress = run.progress();
-    let mut speed = Speed::new(progress.robot_steps_done);
+    let done_before = progress.robot_steps_done;
+    let mut speed = Speed::new(done_before);
     let mut views = Pace::new(VIEW.0, VIEW.1, Duration::ZERO);
     let mut checkpoints = Pace::new(CHECKPOINT.0, CHECKPOINT.1, CHECKPOINT.0);
     let mut block = Block::default();
@@ -62,7 +64,8 @@ pub fn attempt(
             frames.offer(&run);
         }
         views.when_due(|| {
-            let robot_steps_per_s = speed.update(Instant::now(), progress.robot_steps_done);
+            let measured = speed.update(Instant::now(), progress.robot_steps_done);
+            let robot_steps_per_s = measured.or(live.pace());
             live.publish(View {
                 progress,
                 robot_steps_per_s,
@@ -73,6 +76,10 @@ pub fn attempt(
     }
     if let Some(frames) = &mut frames {
         frames.offer_now(&run);
+    }
+    if progress.robot_steps_done > done_before {
+        let steps = progress.robot_steps_done - done_before;
+        live.set_pace(steps as f64 / start.elapsed().as_secs_f64().max(1e-9));
     }
     match run.outcome() {
         Some(outcome) => {

@@ -47,9 +47,28 @@ pub fn coverage_of(run: &Run) -> Coverage {
 pub struct LiveRun {
     stop: AtomicBool,
     view: Mutex<Option<Arc<View>>>,
+    pace: Mutex<Option<f64>>,
 }
 
 impl LiveRun {
+    /// A run that is expected to do as many robot-steps a second as the one before it.
+    pub fn new(pace: Option<f64>) -> Self {
+        Self {
+            pace: Mutex::new(pace),
+            ..Self::default()
+        }
+    }
+
+    /// Robot-steps a second: those of the run before this one, and at its end its own.
+    pub fn pace(&self) -> Option<f64> {
+        *self.pace.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Says how many robot-steps a second the run did, its preparation included.
+    pub fn set_pace(&self, pace: f64) {
+        *self.pace.lock().unwrap_or_else(PoisonError::into_inner) = Some(pace);
+    }
+
     /// Asks the worker to let go of the run after the present block of steps.
     pub fn stop(&self) {
         self.stop.store(true, Ordering::Relaxed);

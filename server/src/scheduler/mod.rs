@@ -64,6 +64,8 @@ struct Shared {
 struct State {
     queue: FairQueue,
     live: BTreeMap<RunSeq, Arc<LiveRun>>,
+    /// Robot-steps a second of the run that was let go of last.
+    pace: Option<f64>,
     stopping: bool,
 }
 
@@ -256,7 +258,7 @@ impl Shared {
                 return None;
             }
             if let Some((job, run)) = state.queue.pop(|run| !state.live.contains_key(&run)) {
-                let live = Arc::new(LiveRun::default());
+                let live = Arc::new(LiveRun::new(state.pace));
                 state.live.insert(run, Arc::clone(&live));
                 return Some((job, run, live));
             }
@@ -268,7 +270,12 @@ impl Shared {
     }
 
     fn release(&self, run: RunSeq) {
-        self.state().live.remove(&run);
+        {
+            let mut state = self.state();
+            if let Some(live) = state.live.remove(&run) {
+                state.pace = live.pace();
+            }
+        }
         self.changed.notify_all();
     }
 

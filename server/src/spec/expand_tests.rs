@@ -200,24 +200,3 @@ proptest! {
         }
     }
 }
-
-#[test]
-fn tmp_time() {
-    let epochs: Vec<u32> = (1..=1000).collect();
-    let alphas: Vec<f64> = (0..100).map(|i| f64::from(i) / 100.0).collect();
-    let job = json!({ "matrix": { "epochs": epochs, "controller.alpha": alphas } });
-    let t = std::time::Instant::now();
-    let runs = expand(&job, &BuiltinArenas).unwrap().runs;
-    eprintln!("expand {:?}", t.elapsed());
-    let t = std::time::Instant::now();
-    let n: usize = runs.iter().map(|r| r.key().len()).sum();
-    eprintln!("keys {:?} {n}", t.elapsed());
-    let t = std::time::Instant::now();
-    let n: usize = runs.iter().map(|r| r.canonical_json().len()).sum();
-    eprintln!("json {:?} {n}", t.elapsed());
-    let t = std::time::Instant::now();
-    for r in &runs[..10000] {
-        assert!(r.run_spec().validate().is_empty());
-    }
-    eprintln!("validate 10k {:?}", t.elapsed());
-}

@@ -8,14 +8,18 @@
 use arenas::index::WallIndex;
 
 use super::kinematic::Contact;
+use crate::world::Body;
 
 /// Deepest overlap of two robots that is left standing, metres.
 pub const OVERLAP_M: f32 = 5e-5;
 
-/// Most neighbours kept for contact: discs of one size that fit around one within reach.
-const NEIGHBOURS: usize = 16;
+/// Most neighbours kept for contact: 18 discs of radius R fit with their centres within 4 R.
+const NEIGHBOURS: usize = 20;
 
 const ITERATIONS: usize = 8;
+
+/// How many robots ahead memory is asked for.
+const AHEAD: usize = 6;
 
 /// Contact candidates of one robot.
 #[derive(Clone, Copy, Debug)]
@@ -24,13 +28,24 @@ struct Neighbours {
     number: [u32; NEIGHBOURS],
 }
 
-const NOBODY: Neighbours = Neighbours { count: 0, number: [0; NEIGHBOURS] };
+const NOBODY: Neighbours = Neighbours {
+    count: 0,
+    number: [0; NEIGHBOURS],
+};
 
 impl Neighbours {
     #[inline(always)]
     fn list(&self) -> &[u32] {
         &self.number[..self.count as usize]
     }
+}
+
+/// A robot in a cell.
+#[derive(Clone, Copy, Debug, Default)]
+struct Entry {
+    x_m: f32,
+    y_m: f32,
+    robot: u32,
 }
 
 /// Scratch of an arena with several robots; can be rebuilt from positions at any time.
@@ -43,9 +58,11 @@ pub struct Crowd {
     starts: Vec<u32>,
     cell_of: Vec<u32>,
     /// Robots by cell, then by number.
-    sorted: Vec<(f32, f32, u32)>,
+    sorted: Vec<Entry>,
     near: Vec<Neighbours>,
     candidate_m2: f32,
+    sight_m2: f32,
+    seen: Vec<[f32; 2]>,
     active: Vec<u32>,
     moved: Vec<(u32, f32, f32)>,
     stamp: Vec<u32>,
@@ -53,17 +70,17 @@ pub struct Crowd {
 }
 
 impl Crowd {
-    /// Scratch for `robots` robots in an arena, seeing each other up to `reach_m` between centres.
+    /// Scratch for `robots` robots in an arena, seeing each other up to `sight_m` between centres.
     pub fn new(
         robots: usize,
         width_m: f64,
         height_m: f64,
         contact: &Contact,
-        reach_m: f64,
+        sight_m: f64,
     ) -> Self {
         let candidate_m = 2.0 * contact.radius_m + 4.0 * contact.max_step_m;
         let spread_m = (width_m * height_m / robots.max(64) as f64).sqrt();
-        let cell_m = reach_m.max(f64::from(candidate_m)).max(spread_m * 0.5) * 1.000_1;
+        let cell_m = sight_m.max(f64::from(candidate_m)).max(spread_m * 0.5) * 1.000_1;
         let columns = (width_m / cell_m).ceil().max(1.0) as i32;
         let rows = (height_m / cell_m).ceil().max(1.0) as i32;
         Self {
@@ -72,9 +89,11 @@ impl Crowd {
             rows,
             starts: vec![0; (columns * rows) as usize + 1],
             cell_of: vec![0; robots],
-            sorted: vec![(0.0, 0.0, 0); robots],
+            sorted: vec![Entry::default(); robots],
             near: vec![NOBODY; robots],
             candidate_m2: candidate_m * candidate_m,
+            sight_m2: (sight_m * sight_m) as f32,
+            seen: Vec::with_capacity(robots),
             active: Vec::with_capacity(robots),
             moved: Vec::with_capacity(robots),
             stamp: vec![0; robots],
@@ -82,16 +101,15 @@ impl Crowd {
         }
     }
 
-    /// Sorts robots into cells, for [`Crowd::visit`].
+    /// Sorts robots into cells.
     #[inline(always)]
-    pub fn sort(&mut self, x_m: &[f32], y_m: &[f32]) {
+    pub fn sort(&mut self, bodies: &[Body]) {
         self.starts.fill(0);
-        for (i, cell_of) in self.cell_of.iter_mut().enumerate() {
-            let column = ((x_m[i] * self.inverse_cell_m) as i32).clamp(0, self.columns - 1);
-            let row = ((y_m[i] * self.inverse_cell_m) as i32).clamp(0, self.rows - 1);
-            let cell = (row * self.columns + column) as u32;
-            *cell_of = cell;
-            self.starts[cell as usize] += 1;
+        for (body, cell_of) in bodies.iter().zip(&mut self.cell_of) {
+            let column = ((body.x_m * self.inverse_cell_m) as i32).clamp(0, self.columns - 1);
+            let row = ((body.y_m * self.inverse_cell_m) as i32).clamp(0, self.rows - 1);
+            *cell_of = (row * self.columns + column) as u32;
+            self.starts[*cell_of as usize] += 1;
         }
         let mut sum = 0;
         for start in &mut self.starts {
@@ -99,78 +117,89 @@ impl Crowd {
             *start = sum;
         }
         // From the last robot to the first, so that numbers rise within a cell.
-        for i in (0..x_m.len()).rev() {
+        for (i, body) in bodies.iter().enumerate().rev() {
             let place = &mut self.starts[self.cell_of[i] as usize];
             *place -= 1;
-            self.sorted[*place as usize] = (x_m[i], y_m[i], i as u32);
+            self.sorted[*place as usize] = Entry {
+                x_m: body.x_m,
+                y_m: body.y_m,
+                robot: i as u32,
+            };
         }
     }
 
-    /// Calls `see` with the centre of every other robot in the 3 x 3 cells around robot `i`, in the
-    /// order of cells and numbers, and notes contact candidates for the next step.
+    /// The robot that comes a few places later, or the last.
     #[inline(always)]
-    pub fn visit(&mut self, i: usize, x_m: f32, y_m: f32, mut see: impl FnMut(f32, f32)) {
+    pub fn robot_ahead(&self, place: usize) -> usize {
+        self.sorted[(place + AHEAD).min(self.sorted.len() - 1)].robot as usize
+    }
+
+    /// The robot at a place in the order of cells, as of the last sort.
+    #[inline(always)]
+    pub fn robot_at(&self, place: usize) -> usize {
+        self.sorted[place].robot as usize
+    }
+
+    /// Centres of the robots in sight of robot `i`, in the order of cells and numbers. Notes contact
+    /// candidates for the next step.
+    #[inline(always)]
+    pub fn look_around(&mut self, i: usize, x_m: f32, y_m: f32) -> &[[f32; 2]] {
         let cell = self.cell_of[i] as i32;
         let (column, row) = (cell % self.columns, cell / self.columns);
         let (first, last) = ((column - 1).max(0), (column + 1).min(self.columns - 1));
-        let mut near = NOBODY;
+        let near = &mut self.near[i];
+        let mut near_count = 0;
+        self.seen.clear();
         for row in (row - 1).max(0)..=(row + 1).min(self.rows - 1) {
             let begin = self.starts[(row * self.columns + first) as usize] as usize;
             let end = self.starts[(row * self.columns + last) as usize + 1] as usize;
-            for &(ox, oy, other) in &self.sorted[begin..end] {
-                if other as usize == i {
-                    continue;
+            for entry in &self.sorted[begin..end] {
+                let (dx, dy) = (entry.x_m - x_m, entry.y_m - y_m);
+                let d2 = dx * dx + dy * dy;
+                if d2 < self.sight_m2 && entry.robot as usize != i {
+                    self.seen.push([entry.x_m, entry.y_m]);
+                    // Whoever can be touched can be seen: sight reaches beyond the candidates.
+                    if d2 < self.candidate_m2 && near_count < NEIGHBOURS {
+                        near.number[near_count] = entry.robot;
+                        near_count += 1;
+                    }
                 }
-                let (dx, dy) = (ox - x_m, oy - y_m);
-                if dx * dx + dy * dy < self.candidate_m2 && (near.count as usize) < NEIGHBOURS {
-                    near.number[near.count as usize] = other;
-                    near.count += 1;
-                }
-                see(ox, oy);
             }
         }
-        self.near[i] = near;
+        near.count = near_count as u32;
+        &self.seen
     }
 
-    /// Resolves overlaps. `x_m`, `y_m` hold positions free of walls; `from` positions before the
-    /// step, free of walls and overlaps.
+    /// Resolves overlaps of bodies that are free of walls and were free of overlaps before the step.
     #[inline(always)]
-    pub fn separate(
-        &mut self,
-        contact: &Contact,
-        index: &WallIndex,
-        from: (&[f32], &[f32]),
-        x_m: &mut [f32],
-        y_m: &mut [f32],
-        touched: &mut [bool],
-    ) {
+    pub fn separate(&mut self, contact: &Contact, index: &WallIndex, bodies: &mut [Body]) {
         self.active.clear();
-        for (i, near) in self.near.iter().enumerate() {
-            if near.count > 0 {
-                self.active.push(i as u32);
+        for entry in &self.sorted {
+            if self.near[entry.robot as usize].count > 0 {
+                self.active.push(entry.robot);
             }
         }
-        let diameter = 2.0 * contact.radius_m;
+        let diameter_m = 2.0 * contact.radius_m;
         for _ in 0..ITERATIONS {
             self.moved.clear();
             for &i in &self.active {
-                let push = self.push(i as usize, contact, diameter, from, x_m, y_m);
-                if let Some((px, py)) = push {
-                    self.moved.push((i, px, py));
+                let push = self.push(i as usize, contact, diameter_m, bodies);
+                if let Some((x_m, y_m)) = push {
+                    self.moved.push((i, x_m, y_m));
                 }
             }
             if self.moved.is_empty() {
                 return;
             }
-            for &(i, px, py) in &self.moved {
-                let i = i as usize;
-                let origin = (from.0[i], from.1[i]);
-                let placed = contact.move_to(index, origin, (px, py));
-                (x_m[i], y_m[i], touched[i]) = (placed.x_m, placed.y_m, true);
+            for &(i, x_m, y_m) in &self.moved {
+                let body = &mut bodies[i as usize];
+                (body.x_m, body.y_m) = (x_m, y_m);
+                contact.move_body(index, body);
+                body.touched = true;
             }
             self.activate_moved();
         }
-        self.send_back(diameter, from, x_m, y_m);
+        self.send_back(diameter_m, bodies);
     }
 
     /// Where robot `i` goes when every overlap it has is pushed apart, or `None` without overlap.
@@ -179,17 +208,16 @@ impl Crowd {
         &self,
         i: usize,
         contact: &Contact,
-        diameter: f32,
-        from: (&[f32], &[f32]),
-        x_m: &[f32],
-        y_m: &[f32],
+        diameter_m: f32,
+        bodies: &[Body],
     ) -> Option<(f32, f32)> {
-        let (x, y) = (x_m[i], y_m[i]);
-        let limit = diameter - 0.5 * OVERLAP_M;
+        let body = &bodies[i];
+        let (x, y, [from_x, from_y]) = (body.x_m, body.y_m, body.from_m);
+        let limit = diameter_m - 0.5 * OVERLAP_M;
         let (mut px, mut py, mut overlaps) = (0.0, 0.0, false);
         for &other in self.near[i].list() {
-            let j = other as usize;
-            let (dx, dy) = (x - x_m[j], y - y_m[j]);
+            let other = &bodies[other as usize];
+            let (dx, dy) = (x - other.x_m, y - other.y_m);
             let d2 = dx * dx + dy * dy;
             if d2 >= limit * limit {
                 continue;
@@ -199,13 +227,11 @@ impl Crowd {
             if distance < 1e-6 {
                 continue;
             }
-            let depth = diameter - distance;
+            let depth = diameter_m - distance;
             let (nx, ny) = (dx / distance, dy / distance);
             let half = 0.5 * depth * (1.0 + contact.bounce);
-            let (sx, sy) = (
-                (x - from.0[i]) - (x_m[j] - from.0[j]),
-                (y - from.1[i]) - (y_m[j] - from.1[j]),
-            );
+            let sx = (x - from_x) - (other.x_m - other.from_m[0]);
+            let sy = (y - from_y) - (other.y_m - other.from_m[1]);
             let slip = sy * nx - sx * ny;
             let brake = 0.5 * slip.abs().min(contact.friction * depth).copysign(slip);
             px += nx * half + ny * brake;
@@ -215,14 +241,14 @@ impl Crowd {
             return None;
         }
         // Nobody leaves the circle within which contact candidates were collected.
-        let (mut wx, mut wy) = (x + px - from.0[i], y + py - from.1[i]);
-        let way = (wx * wx + wy * wy).sqrt();
+        let (mut way_x, mut way_y) = (x + px - from_x, y + py - from_y);
+        let way = (way_x * way_x + way_y * way_y).sqrt();
         let longest = 1.5 * contact.max_step_m;
         if way > longest {
-            wx *= longest / way;
-            wy *= longest / way;
+            way_x *= longest / way;
+            way_y *= longest / way;
         }
-        Some((from.0[i] + wx, from.1[i] + wy))
+        Some((from_x + way_x, from_y + way_y))
     }
 
     /// Makes the robots that moved, and their neighbours, the active ones.
@@ -241,47 +267,42 @@ impl Crowd {
 
     /// Puts every robot that still overlaps back to where it was, until nobody does.
     #[inline(never)]
-    fn send_back(
-        &mut self,
-        diameter: f32,
-        from: (&[f32], &[f32]),
-        x_m: &mut [f32],
-        y_m: &mut [f32],
-    ) {
-        let limit = diameter - OVERLAP_M;
+    fn send_back(&mut self, diameter_m: f32, bodies: &mut [Body]) {
+        let limit = diameter_m - OVERLAP_M;
         loop {
             self.moved.clear();
             for &i in &self.active {
-                let i = i as usize;
-                if (x_m[i], y_m[i]) == (from.0[i], from.1[i]) {
+                let body = &bodies[i as usize];
+                if [body.x_m, body.y_m] == body.from_m {
                     continue;
                 }
-                let clash = self.near[i].list().iter().any(|&j| {
-                    let (dx, dy) = (x_m[i] - x_m[j as usize], y_m[i] - y_m[j as usize]);
+                let clash = self.near[i as usize].list().iter().any(|&j| {
+                    let other = &bodies[j as usize];
+                    let (dx, dy) = (body.x_m - other.x_m, body.y_m - other.y_m);
                     dx * dx + dy * dy < limit * limit
                 });
                 if clash {
-                    self.moved.push((i as u32, 0.0, 0.0));
+                    self.moved.push((i, body.from_m[0], body.from_m[1]));
                 }
             }
             if self.moved.is_empty() {
                 return;
             }
-            for &(i, _, _) in &self.moved {
-                (x_m[i as usize], y_m[i as usize]) = (from.0[i as usize], from.1[i as usize]);
+            for &(i, x_m, y_m) in &self.moved {
+                (bodies[i as usize].x_m, bodies[i as usize].y_m) = (x_m, y_m);
             }
             self.activate_moved();
         }
     }
 
-    /// Bytes held.
+    /// Bytes held. No list outgrows its capacity, one entry a robot.
     pub fn bytes(&self) -> usize {
+        let lists = size_of::<[f32; 2]>() + size_of::<u32>() + size_of::<(u32, f32, f32)>();
         size_of_val(&self.starts[..])
             + size_of_val(&self.cell_of[..])
             + size_of_val(&self.sorted[..])
             + size_of_val(&self.near[..])
             + size_of_val(&self.stamp[..])
-            + self.active.capacity() * 4
-            + self.moved.capacity() * 12
+            + self.stamp.len() * lists
     }
 }

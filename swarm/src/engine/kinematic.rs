@@ -7,6 +7,7 @@
 use arenas::index::WallIndex;
 
 use crate::robot::RobotModel;
+use crate::world::Body;
 
 /// Deepest penetration of a wall that is left standing, metres, in arenas up to a few metres.
 pub const TOLERANCE_M: f32 = 1e-5;
@@ -31,17 +32,6 @@ pub struct Contact {
     pub max_step_m: f32,
 }
 
-/// Where a disc ended.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Placed {
-    /// Centre, metres.
-    pub x_m: f32,
-    /// Centre, metres.
-    pub y_m: f32,
-    /// Whether a wall was in the way.
-    pub touched: bool,
-}
-
 impl Contact {
     /// The constants of a robot in an arena whose larger side is `size_m`.
     pub fn new(model: &RobotModel, size_m: f64) -> Self {
@@ -63,32 +53,26 @@ impl Contact {
         model.parameters.body_radius_m + 3.0 * model.max_step_m() + 1e-3
     }
 
-    /// Moves a disc from a place free of walls towards another.
+    /// Moves a body from a place free of walls (`from_m`) to where it wants to be (`x_m`, `y_m`).
     #[inline(always)]
-    pub fn move_to(&self, index: &WallIndex, from: (f32, f32), to: (f32, f32)) -> Placed {
-        let walls = index.touchable(to.0, to.1);
+    pub fn move_body(&self, index: &WallIndex, body: &mut Body) {
+        let walls = index.touchable(body.x_m, body.y_m);
         let reach = self.radius_m - self.slop_m;
         let mut closest2 = f32::INFINITY;
         for &number in walls {
-            let (_, _, d2) = index.wall(number).nearest(to.0, to.1);
+            let (_, _, d2) = index.wall(number).nearest(body.x_m, body.y_m);
             closest2 = if d2 < closest2 { d2 } else { closest2 };
         }
-        if closest2 >= reach * reach {
-            return Placed { x_m: to.0, y_m: to.1, touched: false };
+        body.touched = closest2 < reach * reach;
+        if body.touched {
+            [body.x_m, body.y_m] = self.push_out(index, walls, body.from_m, [body.x_m, body.y_m]);
         }
-        self.push_out(index, walls, from, to)
     }
 
-    /// The part of [`Contact::move_to`] that runs only in contact.
+    /// The part of [`Contact::move_body`] that runs only in contact.
     #[inline(never)]
-    fn push_out(
-        &self,
-        index: &WallIndex,
-        walls: &[u32],
-        from: (f32, f32),
-        to: (f32, f32),
-    ) -> Placed {
-        let (mut x, mut y) = to;
+    fn push_out(&self, index: &WallIndex, walls: &[u32], from: [f32; 2], to: [f32; 2]) -> [f32; 2] {
+        let [mut x, mut y] = to;
         let reach = self.radius_m - self.slop_m;
         for sweep in 0..SWEEPS {
             let mut deepest = 0.0_f32;
@@ -100,28 +84,36 @@ impl Contact {
                 let distance = d2.sqrt();
                 if distance < 1e-6 {
                     // The centre is on the wall: no normal to push along.
-                    return Placed { x_m: from.0, y_m: from.1, touched: true };
+                    return from;
                 }
                 let depth = self.radius_m - distance;
                 deepest = deepest.max(depth);
                 let (nx, ny) = (-dx / distance, -dy / distance);
-                let push = if sweep == 0 { depth * (1.0 + self.bounce) } else { depth };
+                let push = if sweep == 0 {
+                    depth * (1.0 + self.bounce)
+                } else {
+                    depth
+                };
                 x += nx * push;
                 y += ny * push;
                 // Coulomb: the slip of this step along the wall shrinks by friction * depth.
-                let slip = (y - from.1) * nx - (x - from.0) * ny;
+                let slip = (y - from[1]) * nx - (x - from[0]) * ny;
                 let brake = slip.abs().min(self.friction * depth).copysign(slip);
                 x += ny * brake;
                 y -= nx * brake;
             }
             if deepest <= self.slop_m {
-                return Placed { x_m: x, y_m: y, touched: true };
+                return [x, y];
             }
         }
         let limit = self.radius_m - self.tolerance_m;
-        let settled =
-            walls.iter().all(|&number| index.wall(number).nearest(x, y).2 >= limit * limit);
-        let (x_m, y_m) = if settled && x.is_finite() && y.is_finite() { (x, y) } else { from };
-        Placed { x_m, y_m, touched: true }
+        let settled = walls
+            .iter()
+            .all(|&number| index.wall(number).nearest(x, y).2 >= limit * limit);
+        if settled && x.is_finite() && y.is_finite() {
+            [x, y]
+        } else {
+            from
+        }
     }
 }

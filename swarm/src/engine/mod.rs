@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::robot::RobotModel;
 use crate::spec::EngineKind;
-use crate::world::StartPose;
+use crate::world::{Body, StartPose};
 use rapier::RapierEngine;
 
 /// The engine of one world, with whatever state it keeps between steps.
@@ -18,7 +18,24 @@ pub enum Motor {
     /// Stateless: positions are all there is.
     Kinematic,
     /// Rigid bodies.
-    Rapier(Box<RapierEngine>),
+    Rapier(Box<Rigid>),
+}
+
+/// Rigid bodies, and the columns in which rapier's side takes and gives positions.
+#[derive(Serialize, Deserialize)]
+pub struct Rigid {
+    engine: RapierEngine,
+    #[serde(skip)]
+    columns: Columns,
+}
+
+#[derive(Default)]
+struct Columns {
+    x_m: Vec<f32>,
+    y_m: Vec<f32>,
+    dx_m: Vec<f32>,
+    dy_m: Vec<f32>,
+    touched: Vec<bool>,
 }
 
 impl Motor {
@@ -29,15 +46,51 @@ impl Motor {
             EngineKind::Rapier => {
                 let x_m: Vec<f32> = starts.iter().map(|s| s.x_m).collect();
                 let y_m: Vec<f32> = starts.iter().map(|s| s.y_m).collect();
-                Motor::Rapier(Box::new(RapierEngine::new(arena, model, &x_m, &y_m)))
+                let engine = RapierEngine::new(arena, model, &x_m, &y_m);
+                Motor::Rapier(Box::new(Rigid {
+                    engine,
+                    columns: Columns::default(),
+                }))
             }
         }
     }
 
     /// Puts robots elsewhere at once, without any memory of earlier contacts.
-    pub fn place(&mut self, x_m: &[f32], y_m: &[f32]) {
-        if let Motor::Rapier(engine) = self {
-            engine.place(x_m, y_m);
+    pub fn place(&mut self, bodies: &[Body]) {
+        if let Motor::Rapier(rigid) = self {
+            rigid.columns.read(bodies);
+            rigid.engine.place(&rigid.columns.x_m, &rigid.columns.y_m);
         }
+    }
+}
+
+impl Rigid {
+    /// Moves bodies from `from_m` towards where they want to be.
+    pub fn step(&mut self, bodies: &mut [Body]) {
+        let c = &mut self.columns;
+        c.read(bodies);
+        for (i, body) in bodies.iter().enumerate() {
+            let [x_m, y_m] = body.from_m;
+            (c.dx_m[i], c.dy_m[i]) = (body.x_m - x_m, body.y_m - y_m);
+            (c.x_m[i], c.y_m[i]) = (x_m, y_m);
+        }
+        self.engine
+            .step(&mut c.x_m, &mut c.y_m, &c.dx_m, &c.dy_m, &mut c.touched);
+        for (i, body) in bodies.iter_mut().enumerate() {
+            (body.x_m, body.y_m, body.touched) = (c.x_m[i], c.y_m[i], c.touched[i]);
+        }
+    }
+}
+
+impl Columns {
+    /// Takes the bodies' positions, and makes room for as many ways.
+    fn read(&mut self, bodies: &[Body]) {
+        self.x_m.clear();
+        self.y_m.clear();
+        self.x_m.extend(bodies.iter().map(|body| body.x_m));
+        self.y_m.extend(bodies.iter().map(|body| body.y_m));
+        self.dx_m.resize(bodies.len(), 0.0);
+        self.dy_m.resize(bodies.len(), 0.0);
+        self.touched.resize(bodies.len(), false);
     }
 }

@@ -17,7 +17,11 @@ pub struct Babbler {
 impl Babbler {
     /// A robot that has seen nothing.
     pub fn new(brownian: Brownian, scaling: Scaling, watch: Watch) -> Self {
-        Self { brownian, scaling, watch }
+        Self {
+            brownian,
+            scaling,
+            watch,
+        }
     }
 
     /// Bytes held, exactly counted.

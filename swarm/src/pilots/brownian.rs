@@ -22,7 +22,10 @@ impl Brownian {
     #[inline(always)]
     pub fn command(&self, step: u64) -> [f32; 2] {
         let bits = draw(self.key, step);
-        [2.0 * unit(bits as u32) - 1.0, 2.0 * unit((bits >> 32) as u32) - 1.0]
+        [
+            2.0 * unit(bits as u32) - 1.0,
+            2.0 * unit((bits >> 32) as u32) - 1.0,
+        ]
     }
 }
 

@@ -121,7 +121,10 @@ impl Crawler {
 
     fn fitness(&self) -> f64 {
         let sm = &self.sensori_motor;
-        let a = self.watch.as_ref().map_or(&self.actuators, |watch| &watch.actuators);
+        let a = self
+            .watch
+            .as_ref()
+            .map_or(&self.actuators, |watch| &watch.actuators);
         match self.objective {
             Objective::Curiosity => curiosity(sm.trajectory_counts()),
             Objective::Discovery => discovery(sm.trajectory_counts(), sm.archive_counts()),
@@ -137,7 +140,9 @@ impl Crawler {
 
     /// Clusters of commands.
     pub fn actuator_clusters(&self) -> u32 {
-        self.watch.as_ref().map_or(self.actuators.len(), |watch| watch.actuators.len())
+        self.watch
+            .as_ref()
+            .map_or(self.actuators.len(), |watch| watch.actuators.len())
     }
 
     /// What phase 2 needs: the watch and the archive of genomes.
@@ -162,7 +167,8 @@ impl Pilot for Crawler {
         let command = self.perceptron.act(&sensors);
         if !self.showing {
             if self.objective.over_sensori_motor() {
-                self.sensori_motor.observe(&sensori_motor(&sensors, command));
+                self.sensori_motor
+                    .observe(&sensori_motor(&sensors, command));
             }
             match &mut self.watch {
                 Some(watch) => watch.observe(&sensors, command),

@@ -36,8 +36,10 @@ impl Explorer {
     /// (section 4.3.2), and the commands that each action stands for.
     pub fn new(p: &ControllerParameters, key: u64, watch: &Watch, clustering: &mut Stream) -> Self {
         let vectors = watch.sample.sample();
-        let sensors: Vec<[f32; 8]> =
-            vectors.iter().map(|v| std::array::from_fn(|k| v[k])).collect();
+        let sensors: Vec<[f32; 8]> = vectors
+            .iter()
+            .map(|v| std::array::from_fn(|k| v[k]))
+            .collect();
         let commands: Vec<[f32; 2]> = vectors.iter().map(|v| [v[8], v[9]]).collect();
         let states = kmeans(&sensors, watch.sensors.len(), p, clustering).centres;
         let actions = kmeans(&commands, watch.actuators.len(), p, clustering).centres;

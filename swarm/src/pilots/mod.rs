@@ -28,8 +28,14 @@ impl Scaling {
     /// The mapping of a spec: 0 to 4096 becomes -1 to 1 or 0 to 1.
     pub fn new(scale: SensorScale) -> Self {
         match scale {
-            SensorScale::Signed => Self { factor: 1.0 / 2048.0, offset: -1.0 },
-            SensorScale::Unsigned => Self { factor: 1.0 / 4096.0, offset: 0.0 },
+            SensorScale::Signed => Self {
+                factor: 1.0 / 2048.0,
+                offset: -1.0,
+            },
+            SensorScale::Unsigned => Self {
+                factor: 1.0 / 4096.0,
+                offset: 0.0,
+            },
         }
     }
 
@@ -44,5 +50,7 @@ impl Scaling {
 #[inline(always)]
 pub fn sensori_motor(sensors: &[f32; 8], command: [f32; 2]) -> [f32; 10] {
     let s = sensors;
-    [s[0], s[1], s[2], s[3], s[4], s[5], s[6], s[7], command[0], command[1]]
+    [
+        s[0], s[1], s[2], s[3], s[4], s[5], s[6], s[7], command[0], command[1],
+    ]
 }

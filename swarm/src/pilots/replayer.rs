@@ -25,8 +25,14 @@ pub struct Replayer {
 impl Replayer {
     /// A robot about to replay an archive of genomes into an explorer's repository.
     pub fn new(slope: f64, scaling: Scaling, archive: Vec<f32>, explorer: Explorer) -> Self {
-        let mut replayer =
-            Self { slope, scaling, perceptron: Perceptron::new(), archive, place: 0, explorer };
+        let mut replayer = Self {
+            slope,
+            scaling,
+            perceptron: Perceptron::new(),
+            archive,
+            place: 0,
+            explorer,
+        };
         replayer.load();
         replayer
     }

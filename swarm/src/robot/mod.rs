@@ -56,7 +56,11 @@ pub struct SensorMount {
 }
 
 const fn mount(x_m: f64, y_m: f64, heading_rad: f64) -> SensorMount {
-    SensorMount { x_m, y_m, heading_rad }
+    SensorMount {
+        x_m,
+        y_m,
+        heading_rad,
+    }
 }
 
 /// ps0 to ps7 of the e-puck (Webots EPuck.proto).
@@ -102,7 +106,12 @@ impl RobotModel {
             Preset::Thesis => SensorResponse::thesis(),
             Preset::Webots2022 | Preset::EPuck2 => SensorResponse::webots_2022(),
         };
-        Self { preset, parameters, mounts: E_PUCK_MOUNTS, response }
+        Self {
+            preset,
+            parameters,
+            mounts: E_PUCK_MOUNTS,
+            response,
+        }
     }
 
     /// Distance that a robot covers in one step at top speed.

@@ -23,7 +23,11 @@ pub struct SensorResponse {
 }
 
 const fn row(distance_m: f64, value: f64, relative_sd: f64) -> ResponseRow {
-    ResponseRow { distance_m, value, relative_sd }
+    ResponseRow {
+        distance_m,
+        value,
+        relative_sd,
+    }
 }
 
 impl SensorResponse {
@@ -34,13 +38,18 @@ impl SensorResponse {
     /// start at 0 or do not increase, or when a figure is negative or not finite.
     pub fn new(rows: Vec<ResponseRow>) -> Result<Self, String> {
         if rows.len() < 2 || rows.len() > MAX_ROWS {
-            return Err(format!("a response has 2 to {MAX_ROWS} rows, not {}", rows.len()));
+            return Err(format!(
+                "a response has 2 to {MAX_ROWS} rows, not {}",
+                rows.len()
+            ));
         }
         if rows[0].distance_m != 0.0 {
             return Err("the first row must be at distance 0".into());
         }
         for pair in rows.windows(2) {
-            if pair[1].distance_m.partial_cmp(&pair[0].distance_m) != Some(std::cmp::Ordering::Greater) {
+            if pair[1].distance_m.partial_cmp(&pair[0].distance_m)
+                != Some(std::cmp::Ordering::Greater)
+            {
                 return Err("distances must increase from row to row".into());
             }
         }

@@ -37,7 +37,10 @@ impl Streams {
     }
 
     fn watch(&self, spec: &RunSpec) -> Watch {
-        Watch::new(&spec.controller.parameters, self.stream(Site::Training, Purpose::Sampling))
+        Watch::new(
+            &spec.controller.parameters,
+            self.stream(Site::Training, Purpose::Sampling),
+        )
     }
 
     fn explorer(&self, spec: &RunSpec, watch: &Watch) -> Explorer {
@@ -54,7 +57,11 @@ impl Learners {
         let streams = (0..u64::from(spec.robots)).map(|robot| Streams { seed, robot });
         let p = &spec.controller.parameters;
         let crawlers = |watching: bool| {
-            let objective = spec.controller.method.objective().unwrap_or(Objective::Curiosity);
+            let objective = spec
+                .controller
+                .method
+                .objective()
+                .unwrap_or(Objective::Curiosity);
             let crawler = |s: Streams| {
                 let evolution = s.stream(Site::Training, Purpose::Evolution);
                 Crawler::new(objective, p, evolution, watching.then(|| s.watch(spec)))
@@ -117,13 +124,13 @@ impl Learners {
     pub fn begin_trajectory(&mut self, state: &WorldState) {
         match self {
             Learners::Explorers(pilots) => {
-                for (pilot, raw) in pilots.iter_mut().zip(&state.sensors) {
-                    pilot.begin_trajectory(&F8(*raw));
+                for (pilot, body) in pilots.iter_mut().zip(&state.bodies) {
+                    pilot.begin_trajectory(&F8(body.sensors));
                 }
             }
             Learners::Replayers(pilots) => {
-                for (pilot, raw) in pilots.iter_mut().zip(&state.sensors) {
-                    pilot.begin_trajectory(&F8(*raw));
+                for (pilot, body) in pilots.iter_mut().zip(&state.bodies) {
+                    pilot.begin_trajectory(&F8(body.sensors));
                 }
             }
             _ => {}
@@ -149,7 +156,9 @@ impl Learners {
     /// Whether the next epoch only shows the candidates.
     pub fn set_showing(&mut self, showing: bool) {
         if let Learners::Crawlers(pilots) = self {
-            pilots.iter_mut().for_each(|pilot| pilot.set_showing(showing));
+            pilots
+                .iter_mut()
+                .for_each(|pilot| pilot.set_showing(showing));
         }
     }
 

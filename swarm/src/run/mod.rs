@@ -12,12 +12,12 @@ use std::sync::Arc;
 use arenas::Arena;
 use sha2::{Digest, Sha256};
 
-pub use types::{CurveRow, Outcome, Phase, Progress, RestoreError, RobotsView};
+pub use types::{CurveRow, Outcome, Phase, Progress, RestoreError};
 
 use crate::placement::place;
 use crate::random::Site;
 use crate::spec::{Episodes, FieldError, RunSpec};
-use crate::world::{Backend, Ground, StartPose, World};
+use crate::world::{Backend, Body, Ground, StartPose, World};
 use learners::Learners;
 use plan::{Stage, StageKind, stages};
 
@@ -71,16 +71,35 @@ impl Venue {
     fn new(spec: &RunSpec, arena: &Arc<Arena>, site: Site) -> Result<Self, FieldError> {
         let ground = Ground::new(Arc::clone(arena), &spec.robot);
         let (index, robot) = (&ground.index, &spec.robot);
-        let starts = place(arena, robot, index, spec.placement, spec.robots, spec.seed, site)?;
+        let starts = place(
+            arena,
+            robot,
+            index,
+            spec.placement,
+            spec.robots,
+            spec.seed,
+            site,
+        )?;
         let world = World::new(&ground, robot, spec.engine, starts.clone(), spec.seed, site);
-        Ok(Self { ground, starts, site, world })
+        Ok(Self {
+            ground,
+            starts,
+            site,
+            world,
+        })
     }
 
     /// Starts over, noise and all, as if the arena had never been used.
     fn begin_again(&mut self, spec: &RunSpec) {
         let starts = self.starts.clone();
-        self.world =
-            World::new(&self.ground, &spec.robot, spec.engine, starts, spec.seed, self.site);
+        self.world = World::new(
+            &self.ground,
+            &spec.robot,
+            spec.engine,
+            starts,
+            spec.seed,
+            self.site,
+        );
     }
 }
 
@@ -100,7 +119,10 @@ impl Run {
             && let Some(training) = &spec.controller.training
         {
             let venue = Venue::new(&spec, &training.arena, Site::Training).map_err(|e| {
-                vec![FieldError { message: format!("{} (training arena)", e.message), ..e }]
+                vec![FieldError {
+                    message: format!("{} (training arena)", e.message),
+                    ..e
+                }]
             })?;
             venues.push(venue);
         }
@@ -108,7 +130,13 @@ impl Run {
         let mut run = Self {
             reachable: arenas::reachable(&spec.arena, spec.arena.starts()[0], radius_m).count,
             learners: Learners::Idle,
-            place: Place { stage: 0, epoch: 0, showing: false, step: 0, steps: 0 },
+            place: Place {
+                stage: 0,
+                epoch: 0,
+                showing: false,
+                step: 0,
+                steps: 0,
+            },
             curve: Vec::new(),
             sensori_motor_clusters: 0,
             spec,
@@ -157,8 +185,14 @@ impl Run {
 
     /// Index of the arena that robots are in.
     fn venue(&self) -> usize {
-        let training = self.stage().is_some_and(|stage| stage.kind.begins_in_training());
-        if training && !self.place.showing { TRAINING } else { TARGET }
+        let training = self
+            .stage()
+            .is_some_and(|stage| stage.kind.begins_in_training());
+        if training && !self.place.showing {
+            TRAINING
+        } else {
+            TARGET
+        }
     }
 
     /// Sets learners and arena up for the stage that the run has come to.
@@ -230,14 +264,23 @@ impl Run {
 
     fn curve_row(&self, epoch: u32) -> CurveRow {
         let [p1, p2, p5, p10] = self.venues[TARGET].world.coverage();
-        CurveRow { epoch, p1, p2, p5, p10 }
+        CurveRow {
+            epoch,
+            p1,
+            p2,
+            p5,
+            p10,
+        }
     }
 
     /// How far the run is.
     pub fn progress(&self) -> Progress {
         let robots = u64::from(self.spec.robots);
-        let arena_epochs: u64 =
-            self.stages.iter().map(|s| s.kind.arena_epochs() * u64::from(s.epochs)).sum();
+        let arena_epochs: u64 = self
+            .stages
+            .iter()
+            .map(|s| s.kind.arena_epochs() * u64::from(s.epochs))
+            .sum();
         Progress {
             phase: self.stage().map_or(Phase::Done, |stage| stage.kind.phase()),
             epochs_done: self.curve.len() as u32,
@@ -282,17 +325,9 @@ impl Run {
         &self.venues[self.venue()].ground.arena
     }
 
-    /// All robots, in the arena that they are in right now.
-    pub fn robots(&self) -> RobotsView<'_> {
-        let state = self.venues[self.venue()].world.state();
-        RobotsView {
-            x_m: &state.x_m,
-            y_m: &state.y_m,
-            heading_cos: &state.cos,
-            heading_sin: &state.sin,
-            sensors: &state.sensors,
-            commands: &state.commands,
-        }
+    /// All robots, in the arena that they are in right now; index is the robot's number.
+    pub fn robots(&self) -> &[Body] {
+        &self.venues[self.venue()].world.state().bodies
     }
 
     /// Bytes that robots, learners and squares hold, exactly counted.

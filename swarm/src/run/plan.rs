@@ -33,7 +33,11 @@ pub(super) enum StageKind {
 impl StageKind {
     /// Arena epochs that one epoch of the stage takes.
     pub fn arena_epochs(self) -> u64 {
-        if self == StageKind::EvolveAndShow { 2 } else { 1 }
+        if self == StageKind::EvolveAndShow {
+            2
+        } else {
+            1
+        }
     }
 
     /// Whether its epochs begin in the training arena.
@@ -43,7 +47,10 @@ impl StageKind {
 
     /// Whether its epochs are those that the spec counts.
     pub fn counts(self) -> bool {
-        matches!(self, Self::Explore | Self::EvolveInTarget | Self::EvolveAndShow)
+        matches!(
+            self,
+            Self::Explore | Self::EvolveInTarget | Self::EvolveAndShow
+        )
     }
 
     /// The phase it belongs to.
@@ -72,8 +79,11 @@ pub(super) fn stages(spec: &RunSpec) -> Vec<Stage> {
         },
         method if method.is_evolved_baseline() => {
             let elsewhere = training.is_some_and(|t| *t.arena != *spec.arena);
-            let kind =
-                if elsewhere { StageKind::EvolveAndShow } else { StageKind::EvolveInTarget };
+            let kind = if elsewhere {
+                StageKind::EvolveAndShow
+            } else {
+                StageKind::EvolveInTarget
+            };
             vec![stage(kind, spec.epochs)]
         }
         _ => vec![

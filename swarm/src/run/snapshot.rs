@@ -70,7 +70,11 @@ pub(super) fn save(run: &Run) -> Vec<u8> {
         sensori_motor_clusters: run.sensori_motor_clusters,
         curve: &run.curve,
         learners: &run.learners,
-        worlds: run.venues.iter().map(|v| (v.world.state(), v.world.motor())).collect(),
+        worlds: run
+            .venues
+            .iter()
+            .map(|v| (v.world.state(), v.world.motor()))
+            .collect(),
     };
     // Serializing plain data into memory has no way to fail: no sequence is of unknown length.
     let state = postcard::to_stdvec(&saved).expect("plain data serializes");
@@ -84,8 +88,12 @@ pub(super) fn save(run: &Run) -> Vec<u8> {
 /// A run that goes on from saved state.
 pub(super) fn restore(spec: RunSpec, bytes: &[u8]) -> Result<Run, RestoreError> {
     let unreadable = |why: &str| RestoreError::Unreadable(why.into());
-    let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| unreadable("not of this version"))?;
-    let (hash, state) = rest.split_at_checked(32).ok_or_else(|| unreadable("cut short"))?;
+    let rest = bytes
+        .strip_prefix(MAGIC)
+        .ok_or_else(|| unreadable("not of this version"))?;
+    let (hash, state) = rest
+        .split_at_checked(32)
+        .ok_or_else(|| unreadable("cut short"))?;
     if Sha256::digest(state)[..] != *hash {
         return Err(unreadable("its checksum does not match"));
     }

@@ -7,9 +7,7 @@ use rayon::prelude::*;
 
 use super::*;
 use crate::robot::RobotModel;
-use crate::spec::{
-    ControllerParameters, ControllerSpec, EngineKind, Method, Placement, Training,
-};
+use crate::spec::{ControllerParameters, ControllerSpec, EngineKind, Method, Placement, Training};
 
 fn arena(name: &str) -> Arc<Arena> {
     Arc::new(arenas::builtin(name).unwrap())
@@ -21,8 +19,14 @@ fn spec(method: Method) -> RunSpec {
         arena: arena("maze"),
         controller: ControllerSpec {
             method,
-            parameters: ControllerParameters { babbling_epochs: 2, ..Default::default() },
-            training: Some(Training { arena: arena("easy"), epochs: 3 }),
+            parameters: ControllerParameters {
+                babbling_epochs: 2,
+                ..Default::default()
+            },
+            training: Some(Training {
+                arena: arena("easy"),
+                epochs: 3,
+            }),
         },
         epochs: 3,
         steps_per_epoch: 200,
@@ -58,7 +62,11 @@ fn check_interrupted(spec: &RunSpec, every: u64) {
         whole.advance(every);
         parts.advance(every);
         let saved = parts.snapshot();
-        assert!(saved == whole.snapshot(), "differs after {} steps", whole.step());
+        assert!(
+            saved == whole.snapshot(),
+            "differs after {} steps",
+            whole.step()
+        );
         parts = Run::restore(spec.clone(), &saved).unwrap();
         assert!(parts.snapshot() == saved, "restoring changed the state");
     }
@@ -75,8 +83,20 @@ fn interrupted_equals_uninterrupted_for_every_method() {
 #[test]
 fn interrupted_equals_uninterrupted_for_swarms_engines_and_episodes() {
     check_interrupted(&swarm(Method::EvIterC, 4), 61);
-    check_interrupted(&RunSpec { engine: EngineKind::Rapier, ..swarm(Method::Im, 3) }, 61);
-    check_interrupted(&RunSpec { episodes: Episodes::Continue, ..spec(Method::EvIterD) }, 137);
+    check_interrupted(
+        &RunSpec {
+            engine: EngineKind::Rapier,
+            ..swarm(Method::Im, 3)
+        },
+        61,
+    );
+    check_interrupted(
+        &RunSpec {
+            episodes: Episodes::Continue,
+            ..spec(Method::EvIterD)
+        },
+        137,
+    );
 }
 
 #[test]
@@ -95,9 +115,17 @@ fn blocks_and_instructions_do_not_matter() {
 
 #[test]
 fn thread_count_does_not_matter() {
-    let specs: Vec<RunSpec> = (0..6).map(|seed| RunSpec { seed, ..spec(Method::Im) }).collect();
+    let specs: Vec<RunSpec> = (0..6)
+        .map(|seed| RunSpec {
+            seed,
+            ..spec(Method::Im)
+        })
+        .collect();
     let on = |threads: usize| -> Vec<Outcome> {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
         pool.install(|| specs.par_iter().cloned().map(finished).collect())
     };
     let one = on(1);
@@ -113,19 +141,31 @@ fn replay_sees_the_very_trajectories_of_phase_1() {
     let steps = u64::from(spec.steps_per_epoch) * 3;
     let mut run = Run::new(spec).unwrap();
     let pose = |run: &Run| {
-        let robots = run.robots();
-        (robots.x_m[0].to_bits(), robots.y_m[0].to_bits(), robots.sensors[0].map(f32::to_bits))
+        let robot = &run.robots()[0];
+        (
+            robot.x_m.to_bits(),
+            robot.y_m.to_bits(),
+            robot.sensors.map(f32::to_bits),
+        )
     };
     let mut evolved = Vec::new();
     let mut replayed = Vec::new();
     for step in 0..2 * steps {
         assert_eq!(
             run.progress().phase,
-            if step < steps { Phase::Evolution } else { Phase::Repository }
+            if step < steps {
+                Phase::Evolution
+            } else {
+                Phase::Repository
+            }
         );
         run.advance(1);
         if (step + 1) % steps != 0 {
-            if step < steps { evolved.push(pose(&run)) } else { replayed.push(pose(&run)) }
+            if step < steps {
+                evolved.push(pose(&run))
+            } else {
+                replayed.push(pose(&run))
+            }
         }
     }
     assert_eq!(evolved, replayed);
@@ -138,9 +178,17 @@ fn progress_counts_every_stage() {
     assert_eq!(total, (3 + 3 + 3) * 200);
     assert_eq!(run.advance(u64::MAX).robot_steps_done, total);
     assert_eq!(run.curve().len(), 3);
-    assert!(run.curve().windows(2).all(|w| w[0].p1 <= w[1].p1 && w[0].epoch < w[1].epoch));
+    assert!(
+        run.curve()
+            .windows(2)
+            .all(|w| w[0].p1 <= w[1].p1 && w[0].epoch < w[1].epoch)
+    );
     let shown = Run::new(spec(Method::Curiosity)).unwrap();
-    assert_eq!(shown.progress().robot_steps_total, 2 * 3 * 200, "evaluated, then shown");
+    assert_eq!(
+        shown.progress().robot_steps_total,
+        2 * 3 * 200,
+        "evaluated, then shown"
+    );
 }
 
 #[test]
@@ -149,8 +197,14 @@ fn visits_agree_with_coverage() {
     run.advance(u64::MAX);
     let (visits, dwell) = (run.visits(), run.dwell());
     let outcome = run.outcome().unwrap();
-    assert_eq!(visits.iter().filter(|&&v| v >= 1).count() as u32, outcome.coverage.p1);
-    assert_eq!(visits.iter().filter(|&&v| v >= 10).count() as u32, outcome.coverage.p10);
+    assert_eq!(
+        visits.iter().filter(|&&v| v >= 1).count() as u32,
+        outcome.coverage.p1
+    );
+    assert_eq!(
+        visits.iter().filter(|&&v| v >= 10).count() as u32,
+        outcome.coverage.p10
+    );
     assert_eq!(dwell.iter().sum::<u32>(), 2 * 150 * 6);
 }
 
@@ -167,29 +221,58 @@ fn damaged_and_foreign_snapshots_are_refused() {
         Run::restore(spec(Method::Im), &flipped),
         Err(RestoreError::Unreadable(_))
     ));
-    let other = RunSpec { seed: 6, ..spec(Method::Im) };
-    assert!(matches!(Run::restore(other, &saved), Err(RestoreError::OtherSpec)));
+    let other = RunSpec {
+        seed: 6,
+        ..spec(Method::Im)
+    };
+    assert!(matches!(
+        Run::restore(other, &saved),
+        Err(RestoreError::OtherSpec)
+    ));
 }
 
 #[test]
 fn specs_that_cannot_run_are_refused_with_their_fields() {
-    let check = |spec: RunSpec, pointer: &str, part: &str| {
-        let errors = Run::new(spec).err().unwrap();
-        assert!(
-            errors.iter().any(|e| e.pointer == pointer
-                && (e.message.contains(part) || e.allowed.contains(part))),
-            "{pointer} {part}: {errors:?}"
-        );
-    };
-    check(RunSpec { epochs: 0, ..spec(Method::Im) }, "/epochs", "from 1");
-    check(RunSpec { robots: 2, ..spec(Method::Im) }, "/robots", "placement");
+    let check =
+        |spec: RunSpec, pointer: &str, part: &str| {
+            let errors = Run::new(spec).err().unwrap();
+            assert!(
+                errors.iter().any(|e| e.pointer == pointer
+                    && (e.message.contains(part) || e.allowed.contains(part))),
+                "{pointer} {part}: {errors:?}"
+            );
+        };
     check(
-        RunSpec { robots: 1_000, placement: Placement::Grid, ..spec(Method::Im) },
+        RunSpec {
+            epochs: 0,
+            ..spec(Method::Im)
+        },
+        "/epochs",
+        "from 1",
+    );
+    check(
+        RunSpec {
+            robots: 2,
+            ..spec(Method::Im)
+        },
+        "/robots",
+        "placement",
+    );
+    check(
+        RunSpec {
+            robots: 1_000,
+            placement: Placement::Grid,
+            ..spec(Method::Im)
+        },
         "/robots",
         "at most",
     );
     check(
-        RunSpec { robots: 1_000, placement: Placement::Random, ..spec(Method::Im) },
+        RunSpec {
+            robots: 1_000,
+            placement: Placement::Random,
+            ..spec(Method::Im)
+        },
         "/robots",
         "at most",
     );

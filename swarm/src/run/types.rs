@@ -74,22 +74,6 @@ pub struct Outcome {
     pub state_sha256: String,
 }
 
-/// The state of all robots at one moment, for frames and recordings; index is the robot's number.
-pub struct RobotsView<'a> {
-    /// Metres.
-    pub x_m: &'a [f32],
-    /// Metres.
-    pub y_m: &'a [f32],
-    /// Cosine and sine of the heading.
-    pub heading_cos: &'a [f32],
-    /// Sine of the heading.
-    pub heading_sin: &'a [f32],
-    /// Raw sensor values, 0 to 4095.
-    pub sensors: &'a [[f32; 8]],
-    /// Wheel commands, left and right, -1 to 1.
-    pub commands: &'a [[f32; 2]],
-}
-
 /// A snapshot that does not fit.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum RestoreError {
@@ -103,4 +87,3 @@ pub enum RestoreError {
     #[error("the spec is not valid: {0:?}")]
     Spec(Vec<FieldError>),
 }
-

@@ -6,8 +6,10 @@ use std::sync::Arc;
 use proptest::prelude::*;
 
 use super::*;
+use crate::lanes::F8;
+use crate::pilot::Pilot;
 use crate::pilots::Brownian;
-use crate::random::{Stream, draw};
+use crate::random::{Stream, draw, unit};
 
 /// Drives at random, in stretches, at full speed.
 struct Bumper {
@@ -18,7 +20,10 @@ struct Bumper {
 impl Pilot for Bumper {
     fn act(&mut self, step: u64, _raw: &F8) -> [f32; 2] {
         let bits = draw(self.key, step / self.stretch);
-        [2.0 * unit(bits as u32) - 0.6, 2.0 * unit((bits >> 32) as u32) - 0.6]
+        [
+            2.0 * unit(bits as u32) - 0.6,
+            2.0 * unit((bits >> 32) as u32) - 0.6,
+        ]
     }
     fn learn(&mut self, _raw: &F8) {}
 }
@@ -56,7 +61,7 @@ fn quiet() -> RobotModel {
 fn deepest_in_wall(world: &World, arena: &Arena, radius_m: f64) -> f64 {
     let state = world.state();
     let mut deepest = f64::NEG_INFINITY;
-    for (x, y) in state.x_m.iter().zip(&state.y_m) {
+    for Body { x_m: x, y_m: y, .. } in &state.bodies {
         let point = nalgebra::Point2::new(f64::from(*x), f64::from(*y));
         assert!(x.is_finite() && y.is_finite());
         for wall in arena.walls().iter().chain(&arena.boundary()) {
@@ -72,10 +77,10 @@ fn deepest_in_wall(world: &World, arena: &Arena, radius_m: f64) -> f64 {
 fn deepest_overlap(world: &World, radius_m: f64) -> f64 {
     let state = world.state();
     let mut deepest = f64::NEG_INFINITY;
-    for i in 0..state.x_m.len() {
+    for i in 0..state.bodies.len() {
         for j in 0..i {
-            let dx = f64::from(state.x_m[i]) - f64::from(state.x_m[j]);
-            let dy = f64::from(state.y_m[i]) - f64::from(state.y_m[j]);
+            let dx = f64::from(state.bodies[i].x_m) - f64::from(state.bodies[j].x_m);
+            let dy = f64::from(state.bodies[i].y_m) - f64::from(state.bodies[j].y_m);
             deepest = deepest.max(2.0 * radius_m - dx.hypot(dy));
         }
     }
@@ -96,10 +101,16 @@ fn hand_check_of_the_sensors() {
         EngineKind::Kinematic,
         vec![at(0.6 - radius, 0.3, 0.0)],
     );
-    let seen = ahead.state().sensors[0];
-    assert_eq!((seen[0].round(), seen[7].round()), (2862.0, 2862.0), "{seen:?}");
+    let seen = ahead.state().bodies[0].sensors;
+    assert_eq!(
+        (seen[0].round(), seen[7].round()),
+        (2862.0, 2862.0),
+        "{seen:?}"
+    );
     // A wall at right angles to each ray, touching the body.
-    let expected = [3359.0, 3625.0, 3202.0, 3657.0, 3657.0, 3202.0, 3624.0, 3359.0];
+    let expected = [
+        3359.0, 3625.0, 3202.0, 3657.0, 3657.0, 3202.0, 3624.0, 3359.0,
+    ];
     for (k, expected) in expected.iter().enumerate() {
         let heading = -model.mounts[k].heading_rad;
         let turned = world(
@@ -108,12 +119,22 @@ fn hand_check_of_the_sensors() {
             EngineKind::Kinematic,
             vec![at(0.6 - radius, 0.3, heading)],
         );
-        let value = turned.state().sensors[0][k];
+        let value = turned.state().bodies[0].sensors[k];
         assert_eq!(value.round(), *expected, "ps{k}: {value}");
     }
     // Nothing in sight.
-    let alone = world(&ground, &model, EngineKind::Kinematic, vec![at(0.3, 0.3, 0.3)]);
-    assert!(alone.state().sensors[0].iter().all(|v| (v - 34.0).abs() < 1e-3));
+    let alone = world(
+        &ground,
+        &model,
+        EngineKind::Kinematic,
+        vec![at(0.3, 0.3, 0.3)],
+    );
+    assert!(
+        alone.state().bodies[0]
+            .sensors
+            .iter()
+            .all(|v| (v - 34.0).abs() < 1e-3)
+    );
 }
 
 /// Distance of a ray to the nearest wall or disc by the textbook formulas, in f64, over all walls.
@@ -158,22 +179,34 @@ fn rays_agree_with_brute_force() {
             EngineKind::Kinematic,
             vec![at(start.x_m, start.y_m, start.heading_rad)],
         );
-        let mut pilots = [Bumper { key: 3, stretch: 40 }];
+        let mut pilots = [Bumper {
+            key: 3,
+            stretch: 40,
+        }];
         let range = model.response.range_m();
         let mut differing = 0;
         for _ in 0..4_000 {
             world.advance(&mut pilots, 1);
             let state = world.state();
-            let (x, y) = (f64::from(state.x_m[0]), f64::from(state.y_m[0]));
-            let (c, s) = (f64::from(state.cos[0]), f64::from(state.sin[0]));
+            let (x, y) = (
+                f64::from(state.bodies[0].x_m),
+                f64::from(state.bodies[0].y_m),
+            );
+            let (c, s) = (
+                f64::from(state.bodies[0].cos),
+                f64::from(state.bodies[0].sin),
+            );
             for (k, mount) in model.mounts.iter().enumerate() {
-                let origin = (x + c * mount.x_m - s * mount.y_m, y + s * mount.x_m + c * mount.y_m);
+                let origin = (
+                    x + c * mount.x_m - s * mount.y_m,
+                    y + s * mount.x_m + c * mount.y_m,
+                );
                 let (mc, ms) = (mount.heading_rad.cos(), mount.heading_rad.sin());
                 let direction = (c * mc - s * ms, s * mc + c * ms);
                 let distance =
                     brute_force_ray(&ground.arena, &[], 0.0, origin, direction).min(range);
                 let expected = model.response.at(distance * model.parameters.ray_stretch).0;
-                let seen = f64::from(state.sensors[0][k]);
+                let seen = f64::from(state.bodies[0].sensors[k]);
                 // 250,000 raw a metre at the steepest: 2 raw are 8 micrometres.
                 differing += u32::from((seen - expected).abs() > 2.0);
             }
@@ -190,7 +223,10 @@ fn robots_are_seen_as_discs() {
     let mut stream = Stream::new(4);
     for _ in 0..300 {
         let (distance, bearing) = (0.075 + 0.1 * stream.uniform(), 6.28 * stream.uniform());
-        let other = (25.0 + distance * bearing.cos(), 25.0 + distance * bearing.sin());
+        let other = (
+            25.0 + distance * bearing.cos(),
+            25.0 + distance * bearing.sin(),
+        );
         let heading = 6.28 * stream.uniform();
         let pair = world(
             &ground,
@@ -200,8 +236,10 @@ fn robots_are_seen_as_discs() {
         );
         for (k, mount) in model.mounts.iter().enumerate() {
             let (c, s) = (heading.cos(), heading.sin());
-            let origin =
-                (25.0 + c * mount.x_m - s * mount.y_m, 25.0 + s * mount.x_m + c * mount.y_m);
+            let origin = (
+                25.0 + c * mount.x_m - s * mount.y_m,
+                25.0 + s * mount.x_m + c * mount.y_m,
+            );
             let angle = heading + mount.heading_rad;
             let expected = brute_force_ray(
                 &ground.arena,
@@ -211,8 +249,11 @@ fn robots_are_seen_as_discs() {
                 (angle.cos(), angle.sin()),
             );
             let expected = model.response.at(expected * model.parameters.ray_stretch).0;
-            let seen = f64::from(pair.state().sensors[0][k]);
-            assert!((seen - expected).abs() < 0.01 * expected + 3.0, "ps{k} {seen} {expected}");
+            let seen = f64::from(pair.state().bodies[0].sensors[k]);
+            assert!(
+                (seen - expected).abs() < 0.01 * expected + 3.0,
+                "ps{k} {seen} {expected}"
+            );
         }
     }
 }
@@ -223,16 +264,25 @@ fn engines_agree_in_free_motion() {
     let ground = open(&model);
     let run = |engine| {
         let mut world = world(&ground, &model, engine, vec![at(25.0, 25.0, 0.5)]);
-        let mut pilots = [Bumper { key: 9, stretch: 15 }];
+        let mut pilots = [Bumper {
+            key: 9,
+            stretch: 15,
+        }];
         let mut path = Vec::new();
         for _ in 0..1_000 {
             world.advance(&mut pilots, 1);
             let state = world.state();
-            path.push((f64::from(state.x_m[0]), f64::from(state.y_m[0])));
+            path.push((
+                f64::from(state.bodies[0].x_m),
+                f64::from(state.bodies[0].y_m),
+            ));
         }
         path
     };
-    for (a, b) in run(EngineKind::Kinematic).iter().zip(run(EngineKind::Rapier)) {
+    for (a, b) in run(EngineKind::Kinematic)
+        .iter()
+        .zip(run(EngineKind::Rapier))
+    {
         assert!((a.0 - b.0).hypot(a.1 - b.1) < 1e-6, "{a:?} {b:?}");
     }
 }
@@ -246,16 +296,31 @@ fn engines_agree_statistically_in_contact() {
         let starts = vec![at(start.x_m, start.y_m, start.heading_rad)];
         let mut world = world(&ground, &model, engine, starts);
         world.set_counting(true);
-        let mut pilots = [Bumper { key: 2, stretch: 25 }];
+        let mut pilots = [Bumper {
+            key: 2,
+            stretch: 25,
+        }];
         for _ in 0..20 {
             world.reset();
             world.advance(&mut pilots, 2_000);
         }
-        (f64::from(world.coverage()[0]), world.state().collisions as f64 / 40_000.0)
+        (
+            f64::from(world.coverage()[0]),
+            world.state().collisions as f64 / 40_000.0,
+        )
     };
-    let (kinematic, rapier) = (coverage(EngineKind::Kinematic), coverage(EngineKind::Rapier));
-    assert!((kinematic.0 / rapier.0 - 1.0).abs() < 0.2, "squares {kinematic:?} {rapier:?}");
-    assert!((kinematic.1 - rapier.1).abs() < 0.15, "contact share {kinematic:?} {rapier:?}");
+    let (kinematic, rapier) = (
+        coverage(EngineKind::Kinematic),
+        coverage(EngineKind::Rapier),
+    );
+    assert!(
+        (kinematic.0 / rapier.0 - 1.0).abs() < 0.2,
+        "squares {kinematic:?} {rapier:?}"
+    );
+    assert!(
+        (kinematic.1 - rapier.1).abs() < 0.15,
+        "contact share {kinematic:?} {rapier:?}"
+    );
 }
 
 #[test]
@@ -264,7 +329,11 @@ fn slides_along_a_wall_as_friction_says() {
         let mut model = quiet();
         model.parameters.contact_friction = friction;
         let ground = open(&model);
-        let start = at(25.0, 50.0 - model.parameters.body_radius_m, std::f64::consts::FRAC_PI_4);
+        let start = at(
+            25.0,
+            50.0 - model.parameters.body_radius_m,
+            std::f64::consts::FRAC_PI_4,
+        );
         let mut world = world(&ground, &model, EngineKind::Kinematic, vec![start]);
         struct Ahead;
         impl Pilot for Ahead {
@@ -274,11 +343,15 @@ fn slides_along_a_wall_as_friction_says() {
             fn learn(&mut self, _: &F8) {}
         }
         world.advance(&mut [Ahead], 12);
-        let before = world.state().x_m[0];
+        let before = world.state().bodies[0].x_m;
         world.advance(&mut [Ahead], 20);
-        let way = f64::from(world.state().x_m[0] - before);
+        let way = f64::from(world.state().bodies[0].x_m - before);
         let free = 20.0 * model.max_step_m() * std::f64::consts::FRAC_1_SQRT_2;
-        assert!((way / free - expected).abs() < 0.01, "friction {friction}: {}", way / free);
+        assert!(
+            (way / free - expected).abs() < 0.01,
+            "friction {friction}: {}",
+            way / free
+        );
     }
 }
 
@@ -345,9 +418,9 @@ fn portable_and_avx2_give_the_same_bits_over_100_000_steps() {
         let mut pilots = [Brownian::new(6)];
         world.advance(&mut pilots, 100_000);
         (
-            world.state().x_m[0].to_bits(),
-            world.state().sin[0].to_bits(),
-            world.state().sensors[0].map(f32::to_bits),
+            world.state().bodies[0].x_m.to_bits(),
+            world.state().bodies[0].sin.to_bits(),
+            world.state().bodies[0].sensors.map(f32::to_bits),
             world.visits(),
         )
     };

@@ -1,0 +1,62 @@
+//! One robot's state.
+
+use serde::{Deserialize, Serialize};
+
+/// A start pose as the step loop wants it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StartPose {
+    /// Metres.
+    pub x_m: f32,
+    /// Metres.
+    pub y_m: f32,
+    /// Cosine of the heading.
+    pub cos: f32,
+    /// Sine of the heading.
+    pub sin: f32,
+}
+
+/// A robot in its arena.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[repr(C, align(32))]
+pub struct Body {
+    /// Raw sensor values, 0 to 4095.
+    pub sensors: [f32; 8],
+    /// Centre, metres.
+    pub x_m: f32,
+    /// Centre, metres.
+    pub y_m: f32,
+    /// Cosine of the heading.
+    pub cos: f32,
+    /// Sine of the heading.
+    pub sin: f32,
+    /// Wheel speeds, left and right, rad/s.
+    pub wheels_rad_s: [f32; 2],
+    /// Last wheel commands, left and right, -1 to 1.
+    pub command: [f32; 2],
+    /// Square that the centre is in.
+    pub(crate) square: u32,
+    /// Whether the last move met a wall or robot.
+    #[serde(skip)]
+    pub(crate) touched: bool,
+    /// Centre before the move, metres.
+    #[serde(skip)]
+    pub(crate) from_m: [f32; 2],
+}
+
+impl Body {
+    /// A robot that has not moved.
+    pub fn at_rest(start: &StartPose) -> Self {
+        Self {
+            sensors: [0.0; 8],
+            x_m: start.x_m,
+            y_m: start.y_m,
+            cos: start.cos,
+            sin: start.sin,
+            wheels_rad_s: [0.0; 2],
+            command: [0.0; 2],
+            square: 0,
+            touched: false,
+            from_m: [start.x_m, start.y_m],
+        }
+    }
+}

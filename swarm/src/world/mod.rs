@@ -1,0 +1,292 @@
+//! Robots in one arena: their state, and the phases of a step (in `step.rs`).
+//!
+//! [`WorldState`] is what a snapshot holds; everything else in [`World`] is derived from the spec
+//! or is scratch. A robot's state lies together in two cache lines: eight lanes are the eight rays
+//! of one robot, so nothing is gained by an array for each quantity, and neighbours are met at
+//! random.
+
+mod body;
+mod step;
+#[cfg(test)]
+mod tests;
+
+use std::sync::Arc;
+
+use arenas::Arena;
+use arenas::index::WallIndex;
+use serde::{Deserialize, Serialize};
+
+pub use body::{Body, StartPose};
+
+use crate::drive::Drive;
+use crate::engine::Motor;
+use crate::engine::crowd::Crowd;
+use crate::engine::kinematic::Contact;
+use crate::random::{Purpose, Site, stream_key};
+use crate::robot::RobotModel;
+use crate::sense::Optics;
+use crate::spec::EngineKind;
+
+/// Saved state of all robots of an arena.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct WorldState {
+    /// Steps since the world was made.
+    pub step: u64,
+    /// Times that sensors were read, the counter of their noise.
+    readings: u64,
+    /// Robot-steps in contact with a wall or robot while visits were counted.
+    pub collisions: u64,
+    /// The robots; index is the robot's number.
+    pub bodies: Vec<Body>,
+    /// Entries and steps spent, a square.
+    visits: Vec<[u32; 2]>,
+}
+
+/// Which instructions the step loop is compiled for. All give the same bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Backend {
+    /// The baseline of the target.
+    Portable,
+    /// 256-bit vectors.
+    Avx2,
+}
+
+impl Backend {
+    /// The best that this machine has.
+    pub fn detect() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        if std::arch::is_x86_feature_detected!("avx2") {
+            return Backend::Avx2;
+        }
+        Backend::Portable
+    }
+}
+
+/// Robots in one arena.
+pub struct World {
+    state: WorldState,
+    motor: Motor,
+    backend: Backend,
+    /// Whether visits are counted in this stage.
+    counting: bool,
+    index: Arc<WallIndex>,
+    optics: Optics,
+    drive: Drive,
+    contact: Contact,
+    starts: Vec<StartPose>,
+    squares_per_side: u32,
+    squares_per_m: [f32; 2],
+    noise_keys: Vec<u64>,
+    slip_keys: Vec<u64>,
+    crowd: Option<Crowd>,
+}
+
+/// What every world of one arena and robot shares: built once, read by all.
+#[derive(Clone)]
+pub struct Ground {
+    /// The arena.
+    pub arena: Arc<Arena>,
+    /// Its walls, indexed for the robot.
+    pub index: Arc<WallIndex>,
+}
+
+impl Ground {
+    /// Indexes an arena for a robot.
+    pub fn new(arena: Arc<Arena>, model: &RobotModel) -> Self {
+        let index = WallIndex::new(
+            &arena,
+            Contact::wall_margin_m(model),
+            model.sensor_reach_m() + 1e-4,
+        );
+        Self {
+            arena,
+            index: Arc::new(index),
+        }
+    }
+}
+
+impl World {
+    /// Robots at their start poses, sensors read once.
+    pub fn new(
+        ground: &Ground,
+        model: &RobotModel,
+        engine: EngineKind,
+        starts: Vec<StartPose>,
+        seed: u64,
+        site: Site,
+    ) -> Self {
+        let squares = ground.arena.squares();
+        let state = WorldState {
+            step: 0,
+            readings: 0,
+            collisions: 0,
+            bodies: starts.iter().map(Body::at_rest).collect(),
+            visits: vec![[0; 2]; (squares * squares) as usize],
+        };
+        let motor = Motor::new(engine, &ground.arena, model, &starts);
+        let mut world = Self::assemble(ground, model, state, motor, starts, seed, site);
+        world.reset();
+        world
+    }
+
+    fn assemble(
+        ground: &Ground,
+        model: &RobotModel,
+        state: WorldState,
+        motor: Motor,
+        starts: Vec<StartPose>,
+        seed: u64,
+        site: Site,
+    ) -> Self {
+        let n = starts.len();
+        let arena = &ground.arena;
+        let squares = arena.squares();
+        let contact = Contact::new(model, arena.width_m().max(arena.height_m()));
+        let optics = Optics::new(model);
+        let keys = |purpose| {
+            (0..n as u64)
+                .map(|robot| stream_key(seed, site, robot, purpose))
+                .collect::<Vec<_>>()
+        };
+        let drive = Drive::new(model);
+        let crowd = (n > 1).then(|| {
+            Crowd::new(
+                n,
+                arena.width_m(),
+                arena.height_m(),
+                &contact,
+                optics.sight_m(),
+            )
+        });
+        Self {
+            state,
+            motor,
+            backend: Backend::detect(),
+            counting: false,
+            index: Arc::clone(&ground.index),
+            optics,
+            contact,
+            starts,
+            squares_per_side: squares,
+            squares_per_m: [
+                (f64::from(squares) / arena.width_m()) as f32,
+                (f64::from(squares) / arena.height_m()) as f32,
+            ],
+            noise_keys: keys(Purpose::SensorNoise),
+            slip_keys: if drive.slips() {
+                keys(Purpose::WheelSlip)
+            } else {
+                Vec::new()
+            },
+            drive,
+            crowd,
+        }
+    }
+
+    /// A world that goes on from saved state, to the same bits as the one that was saved; `None`
+    /// when the state is of another arena or number of robots.
+    pub fn restore(
+        ground: &Ground,
+        model: &RobotModel,
+        state: WorldState,
+        motor: Motor,
+        starts: Vec<StartPose>,
+        seed: u64,
+        site: Site,
+    ) -> Option<Self> {
+        let squares = (ground.arena.squares() * ground.arena.squares()) as usize;
+        let fits = state.bodies.len() == starts.len()
+            && state.visits.len() == squares
+            && state
+                .bodies
+                .iter()
+                .all(|body| (body.square as usize) < squares);
+        if !fits {
+            return None;
+        }
+        let mut world = Self::assemble(ground, model, state, motor, starts, seed, site);
+        world.find_neighbours();
+        Some(world)
+    }
+
+    /// The saved part.
+    pub fn state(&self) -> &WorldState {
+        &self.state
+    }
+
+    /// The engine, for snapshots.
+    pub fn motor(&self) -> &Motor {
+        &self.motor
+    }
+
+    /// Robots.
+    pub fn robots(&self) -> usize {
+        self.starts.len()
+    }
+
+    /// Runs the step loop with other instructions than the best; results stay the same.
+    pub fn set_backend(&mut self, backend: Backend) {
+        self.backend = match backend {
+            Backend::Avx2 => Backend::detect(),
+            Backend::Portable => Backend::Portable,
+        };
+    }
+
+    /// Whether visits and collisions count from now on.
+    pub fn set_counting(&mut self, counting: bool) {
+        self.counting = counting;
+    }
+
+    /// Entries of each square, row 0 lowest.
+    pub fn visits(&self) -> Vec<u32> {
+        self.state.visits.iter().map(|v| v[0]).collect()
+    }
+
+    /// Steps spent in each square, row 0 lowest.
+    pub fn dwell(&self) -> Vec<u32> {
+        self.state.visits.iter().map(|v| v[1]).collect()
+    }
+
+    /// Squares entered at least 1, 2, 5 and 10 times.
+    pub fn coverage(&self) -> [u32; 4] {
+        let mut counts = [0; 4];
+        for visit in &self.state.visits {
+            for (count, least) in counts.iter_mut().zip([1, 2, 5, 10]) {
+                *count += u32::from(visit[0] >= least);
+            }
+        }
+        counts
+    }
+
+    /// Bytes held for robots and squares, index of walls excluded.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.state.bodies[..])
+            + size_of_val(&self.starts[..])
+            + size_of_val(&self.noise_keys[..])
+            + size_of_val(&self.slip_keys[..])
+            + size_of_val(&self.state.visits[..])
+            + self.crowd.as_ref().map_or(0, Crowd::bytes)
+    }
+
+    /// Puts every robot back to its start pose at rest and reads the sensors.
+    pub fn reset(&mut self) {
+        for (body, start) in self.state.bodies.iter_mut().zip(&self.starts) {
+            *body = Body::at_rest(start);
+        }
+        self.motor.place(&self.state.bodies);
+        self.enter_squares();
+        self.sense_all();
+    }
+
+    /// Counts the squares that robots stand in as entered: called where visits begin to count.
+    pub fn enter_squares(&mut self) {
+        for i in 0..self.state.bodies.len() {
+            let body = &self.state.bodies[i];
+            let square = self.square_of(body.x_m, body.y_m);
+            self.state.bodies[i].square = square;
+            if self.counting {
+                self.state.visits[square as usize][0] += 1;
+            }
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! The phases of a step: decide and drive, collide, account, sense, learn.
+//!
+//! Every phase takes each robot by itself, from state that no other robot changes in that phase, so
+//! the order of robots cannot matter: where neighbours matter, they are taken in the order of their
+//! cells, which keeps what is read together in the cache.
+
+use super::{Backend, Body, World};
+use crate::engine::Motor;
+use crate::lanes::F8;
+use crate::pilot::Pilot;
+use crate::random::{mix64, unit};
+
+/// Odd, close to 2^64 / golden ratio: spreads counters over all words.
+const SPREAD: u64 = 0x9E37_79B9_7F4A_7C15;
+
+impl World {
+    /// Moves every robot `steps` times; `pilots` has one entry a robot.
+    pub fn advance<P: Pilot>(&mut self, pilots: &mut [P], steps: u64) {
+        assert_eq!(pilots.len(), self.robots(), "one pilot a robot");
+        match self.backend {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: `Avx2` is only ever set after detection.
+            Backend::Avx2 => unsafe { advance_avx2(self, pilots, steps) },
+            _ => self.steps(pilots, steps),
+        }
+    }
+
+    /// Reads all sensors where robots stand.
+    pub(super) fn sense_all(&mut self) {
+        match self.backend {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: `Avx2` is only ever set after detection.
+            Backend::Avx2 => unsafe { sense_avx2(self) },
+            _ => self.sense(),
+        }
+    }
+
+    #[inline(always)]
+    fn steps<P: Pilot>(&mut self, pilots: &mut [P], steps: u64) {
+        for _ in 0..steps {
+            self.decide_and_drive(pilots);
+            self.collide();
+            self.account();
+            self.sense();
+            for (pilot, body) in pilots.iter_mut().zip(&self.state.bodies) {
+                pilot.learn(&F8(body.sensors));
+            }
+            self.state.step += 1;
+        }
+    }
+
+    #[inline(always)]
+    fn decide_and_drive<P: Pilot>(&mut self, pilots: &mut [P]) {
+        let step = self.state.step;
+        let drive = &self.drive;
+        for (i, (pilot, body)) in pilots.iter_mut().zip(&mut self.state.bodies).enumerate() {
+            let command = pilot.act(step, &F8(body.sensors));
+            body.command = command;
+            let left = drive.accelerate(body.wheels_rad_s[0], command[0]);
+            let right = drive.accelerate(body.wheels_rad_s[1], command[1]);
+            body.wheels_rad_s = [left, right];
+            let (mut ground_left, mut ground_right) = (left, right);
+            if drive.slips() {
+                let word = mix64(self.slip_keys[i].wrapping_add(mix64(step)));
+                ground_left = drive.slipped(left, unit(word as u32));
+                ground_right = drive.slipped(right, unit((word >> 32) as u32));
+            }
+            let motion = drive.step(ground_left, ground_right, body.cos, body.sin);
+            body.from_m = [body.x_m, body.y_m];
+            body.x_m += motion.dx_m;
+            body.y_m += motion.dy_m;
+            body.cos = motion.cos;
+            body.sin = motion.sin;
+        }
+    }
+
+    #[inline(always)]
+    fn collide(&mut self) {
+        let bodies = &mut self.state.bodies[..];
+        match (&mut self.motor, &mut self.crowd) {
+            (Motor::Kinematic, None) => {
+                for body in bodies {
+                    self.contact.move_body(&self.index, body);
+                }
+            }
+            (Motor::Kinematic, Some(crowd)) => {
+                for place in 0..bodies.len() {
+                    prefetch(bodies, crowd.robot_ahead(place));
+                    let body = &mut bodies[crowd.robot_at(place)];
+                    self.contact.move_body(&self.index, body);
+                }
+                crowd.separate(&self.contact, &self.index, bodies);
+            }
+            (Motor::Rapier(engine), _) => engine.step(bodies),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn square_of(&self, x_m: f32, y_m: f32) -> u32 {
+        let last = self.squares_per_side as i32 - 1;
+        let column = ((x_m * self.squares_per_m[0]) as i32).clamp(0, last);
+        let row = ((y_m * self.squares_per_m[1]) as i32).clamp(0, last);
+        row as u32 * self.squares_per_side + column as u32
+    }
+
+    #[inline(always)]
+    fn account(&mut self) {
+        if !self.counting {
+            return;
+        }
+        for i in 0..self.state.bodies.len() {
+            let body = &self.state.bodies[i];
+            let square = self.square_of(body.x_m, body.y_m);
+            let entered = u32::from(square != body.square);
+            self.state.collisions += u64::from(body.touched);
+            self.state.bodies[i].square = square;
+            let visit = &mut self.state.visits[square as usize];
+            visit[0] = visit[0].saturating_add(entered);
+            visit[1] = visit[1].saturating_add(1);
+        }
+    }
+
+    #[inline(always)]
+    fn sense(&mut self) {
+        let (optics, index) = (&self.optics, &*self.index);
+        let counter = self.state.readings.wrapping_mul(SPREAD);
+        self.state.readings += 1;
+        let bodies = &mut self.state.bodies[..];
+        match &mut self.crowd {
+            None => {
+                for (body, key) in bodies.iter_mut().zip(&self.noise_keys) {
+                    let rays = optics.rays(body.x_m, body.y_m, body.cos, body.sin);
+                    let distance_m = optics.to_walls(&rays, index, body.x_m, body.y_m);
+                    body.sensors = optics
+                        .respond(distance_m, mix64(key.wrapping_add(counter)))
+                        .0;
+                }
+            }
+            Some(crowd) => {
+                crowd.sort(bodies);
+                for place in 0..bodies.len() {
+                    prefetch(bodies, crowd.robot_ahead(place));
+                    let i = crowd.robot_at(place);
+                    let body = &mut bodies[i];
+                    let (x_m, y_m) = (body.x_m, body.y_m);
+                    let rays = optics.rays(x_m, y_m, body.cos, body.sin);
+                    let mut distance_m = optics.to_walls(&rays, index, x_m, y_m);
+                    for &[ox_m, oy_m] in crowd.look_around(i, x_m, y_m) {
+                        distance_m = optics.to_robot(&rays, ox_m, oy_m, distance_m);
+                    }
+                    let word = mix64(self.noise_keys[i].wrapping_add(counter));
+                    body.sensors = optics.respond(distance_m, word).0;
+                }
+            }
+        }
+    }
+
+    /// Rebuilds the scratch that depends on positions.
+    pub(super) fn find_neighbours(&mut self) {
+        if let Some(crowd) = &mut self.crowd {
+            crowd.sort(&self.state.bodies);
+            for (i, body) in self.state.bodies.iter().enumerate() {
+                crowd.look_around(i, body.x_m, body.y_m);
+            }
+        }
+    }
+}
+
+/// Asks for a body that is needed soon.
+#[inline(always)]
+fn prefetch(bodies: &[Body], i: usize) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(body) = bodies.get(i) {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        let address = std::ptr::from_ref(body).cast::<i8>();
+        // SAFETY: a prefetch reads nothing; the address lies inside `body`.
+        unsafe {
+            _mm_prefetch::<_MM_HINT_T0>(address);
+            _mm_prefetch::<_MM_HINT_T0>(address.add(size_of::<Body>() - 1));
+        }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn advance_avx2<P: Pilot>(world: &mut World, pilots: &mut [P], steps: u64) {
+    world.steps(pilots, steps);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn sense_avx2(world: &mut World) {
+    world.sense();
+}
