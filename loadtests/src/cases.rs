@@ -62,7 +62,9 @@ impl Pilot for Peer {
 }
 
 fn builtin(name: &str) -> Result<Arc<Arena>> {
-    arenas::builtin(name).map(Arc::new).with_context(|| format!("no built-in arena `{name}`"))
+    arenas::builtin(name)
+        .map(Arc::new)
+        .with_context(|| format!("no built-in arena `{name}`"))
 }
 
 fn refused<E: std::fmt::Debug>(errors: E) -> anyhow::Error {
@@ -92,19 +94,28 @@ pub fn scaled_arena(robots: u64) -> Result<Arc<Arena>> {
     while walls.len() < (robots / 5) as usize {
         number += 1;
         let at = |k: u64| unit(draw(77, number * 4 + k) as u32) as f64;
-        let (x, y, angle) = (at(0) * side_m, at(1) * side_m, at(2) * std::f64::consts::TAU);
+        let (x, y, angle) = (
+            at(0) * side_m,
+            at(1) * side_m,
+            at(2) * std::f64::consts::TAU,
+        );
         let (bx, by) = (x + 0.1 * angle.cos(), y + 0.1 * angle.sin());
         if bx > 0.0 && by > 0.0 && bx < side_m && by < side_m {
             walls.push([x, y, bx, by]);
         }
     }
     // The single start is a corner; robots are placed at random.
-    let walls: Vec<_> = walls.into_iter().filter(|w| w[0].hypot(w[1]) > 0.3).collect();
+    let walls: Vec<_> = walls
+        .into_iter()
+        .filter(|w| w[0].hypot(w[1]) > 0.3)
+        .collect();
     let text = serde_json::json!({
         "name": format!("scaled-{robots}"), "width_m": side_m, "height_m": side_m,
         "walls_m": walls, "starts": [{"x_m": 0.06, "y_m": 0.06, "heading_rad": 0.8}],
     });
-    Ok(Arc::new(Arena::from_json(&text.to_string()).map_err(refused)?))
+    Ok(Arc::new(
+        Arena::from_json(&text.to_string()).map_err(refused)?,
+    ))
 }
 
 fn world(
@@ -115,9 +126,16 @@ fn world(
 ) -> Result<World> {
     let model = RobotModel::default();
     let ground = Ground::new(Arc::clone(arena), &model);
-    let starts =
-        place(arena, &model, &ground.index, placement, robots as u32, 1, Site::Target)
-            .map_err(refused)?;
+    let starts = place(
+        arena,
+        &model,
+        &ground.index,
+        placement,
+        robots as u32,
+        1,
+        Site::Target,
+    )
+    .map_err(refused)?;
     let mut world = World::new(&ground, &model, engine, starts, 1, Site::Target);
     world.set_counting(true);
     Ok(world)
@@ -156,12 +174,19 @@ fn run_spec(method: Method, arena: Arc<Arena>, robots: u64, engine: EngineKind) 
         controller: ControllerSpec {
             method,
             parameters: ControllerParameters::default(),
-            training: Some(Training { arena: builtin("easy")?, epochs: 20 }),
+            training: Some(Training {
+                arena: builtin("easy")?,
+                epochs: 20,
+            }),
         },
         epochs: 1_000_000,
         steps_per_epoch: 2_000,
         robots: robots as u32,
-        placement: if robots == 1 { Placement::Start } else { Placement::Random },
+        placement: if robots == 1 {
+            Placement::Start
+        } else {
+            Placement::Random
+        },
         episodes: Episodes::Reset,
         robot: RobotModel::default(),
         engine,
@@ -186,8 +211,16 @@ fn exploring(spec: RunSpec) -> Result<Setup> {
 
 /// Phase 1 of Ev-ITER alone, as long as anyone cares to measure.
 fn evolving(arena: Arc<Arena>) -> Result<Setup> {
-    let mut spec = run_spec(Method::EvIterC, Arc::clone(&arena), 1, EngineKind::Kinematic)?;
-    spec.controller.training = Some(Training { arena, epochs: 1_000_000 });
+    let mut spec = run_spec(
+        Method::EvIterC,
+        Arc::clone(&arena),
+        1,
+        EngineKind::Kinematic,
+    )?;
+    spec.controller.training = Some(Training {
+        arena,
+        epochs: 1_000_000,
+    });
     let mut run = Run::new(spec).map_err(refused)?;
     run.advance(100_000);
     Ok(Setup {
@@ -220,57 +253,90 @@ pub fn all() -> Vec<Case> {
     use EngineKind::{Kinematic, Rapier};
     let mut cases = Vec::new();
     for name in ["easy", "maze"] {
-        cases.push(case(format!("kinematic/1/{name}/brownian"), 1, Some((0.25, 0.12)), move || {
-            let world = world(&builtin(name)?, 1, Placement::Start, Kinematic)?;
-            Ok(stepped(world, brownians(1)))
-        }));
-        cases.push(case(format!("kinematic/1/{name}/phase-1"), 1, Some((0.60, 0.30)), move || {
-            evolving(builtin(name)?)
-        }));
-        cases.push(case(format!("kinematic/1/{name}/phase-3"), 1, Some((0.60, 0.30)), move || {
-            exploring(run_spec(Method::EvIterC, builtin(name)?, 1, Kinematic)?)
-        }));
+        cases.push(case(
+            format!("kinematic/1/{name}/brownian"),
+            1,
+            Some((0.25, 0.12)),
+            move || {
+                let world = world(&builtin(name)?, 1, Placement::Start, Kinematic)?;
+                Ok(stepped(world, brownians(1)))
+            },
+        ));
+        cases.push(case(
+            format!("kinematic/1/{name}/phase-1"),
+            1,
+            Some((0.60, 0.30)),
+            move || evolving(builtin(name)?),
+        ));
+        cases.push(case(
+            format!("kinematic/1/{name}/phase-3"),
+            1,
+            Some((0.60, 0.30)),
+            move || exploring(run_spec(Method::EvIterC, builtin(name)?, 1, Kinematic)?),
+        ));
     }
     for robots in [1, 10, 100, 1_000, 10_000] {
         let stretch = if robots == 1 { 0.12 } else { 0.15 };
-        cases.push(case(format!("kinematic/peers/{robots}"), robots, Some((0.30, stretch)), {
-            move || {
-                let arena = peer_arena(robots)?;
-                let world = world(&arena, robots, Placement::Start, Kinematic)?;
-                let pilots = (0..robots).map(|key| Peer { key }).collect();
-                Ok(stepped(world, pilots))
-            }
-        }));
+        cases.push(case(
+            format!("kinematic/peers/{robots}"),
+            robots,
+            Some((0.30, stretch)),
+            {
+                move || {
+                    let arena = peer_arena(robots)?;
+                    let world = world(&arena, robots, Placement::Start, Kinematic)?;
+                    let pilots = (0..robots).map(|key| Peer { key }).collect();
+                    Ok(stepped(world, pilots))
+                }
+            },
+        ));
     }
     for robots in [10, 100, 1_000, 10_000, 100_000] {
-        cases.push(case(format!("kinematic/swarm/{robots}/brownian"), robots, Some((0.35, 0.35)), {
-            move || {
-                let arena = scaled_arena(robots)?;
-                let world = world(&arena, robots, Placement::Random, Kinematic)?;
-                Ok(stepped(world, brownians(robots)))
-            }
-        }));
+        cases.push(case(
+            format!("kinematic/swarm/{robots}/brownian"),
+            robots,
+            Some((0.35, 0.35)),
+            {
+                move || {
+                    let arena = scaled_arena(robots)?;
+                    let world = world(&arena, robots, Placement::Random, Kinematic)?;
+                    Ok(stepped(world, brownians(robots)))
+                }
+            },
+        ));
     }
     for robots in [10, 100, 1_000, 10_000] {
-        let mut learning =
-            case(format!("kinematic/swarm/{robots}/im"), robots, Some((0.80, 0.40)), move || {
+        let mut learning = case(
+            format!("kinematic/swarm/{robots}/im"),
+            robots,
+            Some((0.80, 0.40)),
+            move || {
                 let mut spec = run_spec(Method::Im, scaled_arena(robots)?, robots, Kinematic)?;
                 spec.controller.parameters.babbling_epochs = 1;
                 spec.steps_per_epoch = 500;
                 spec.controller.parameters.sample = 1_024;
                 exploring(spec)
-            });
+            },
+        );
         learning.standard = robots <= 1_000;
         cases.push(learning);
     }
     for name in ["easy", "maze"] {
-        cases.push(case(format!("rapier/1/{name}/brownian"), 1, Some((8.0, 5.5)), move || {
-            let world = world(&builtin(name)?, 1, Placement::Start, Rapier)?;
-            Ok(stepped(world, brownians(1)))
-        }));
-        cases.push(case(format!("rapier/1/{name}/phase-3"), 1, Some((8.0, 5.5)), move || {
-            exploring(run_spec(Method::EvIterC, builtin(name)?, 1, Rapier)?)
-        }));
+        cases.push(case(
+            format!("rapier/1/{name}/brownian"),
+            1,
+            Some((8.0, 5.5)),
+            move || {
+                let world = world(&builtin(name)?, 1, Placement::Start, Rapier)?;
+                Ok(stepped(world, brownians(1)))
+            },
+        ));
+        cases.push(case(
+            format!("rapier/1/{name}/phase-3"),
+            1,
+            Some((8.0, 5.5)),
+            move || exploring(run_spec(Method::EvIterC, builtin(name)?, 1, Rapier)?),
+        ));
     }
     cases.push(case("rapier/peers/1", 1, Some((5.5, 5.5)), || {
         let world = world(&peer_arena(1)?, 1, Placement::Start, Rapier)?;

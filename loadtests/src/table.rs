@@ -25,7 +25,9 @@ pub fn lines(figures: &[Figure]) -> Vec<String> {
             (Some(_), _) => "missed",
             _ => "",
         };
-        let bytes = f.bytes_per_robot.map_or_else(String::new, |bytes| bytes.to_string());
+        let bytes = f
+            .bytes_per_robot
+            .map_or_else(String::new, |bytes| bytes.to_string());
         let mut line = format!(
             "{:<34} {:>9.1} {:>9.1} {:>9.1} {:>7} {:>8}  {:<9} {:>12}",
             f.name,
@@ -37,10 +39,14 @@ pub fn lines(figures: &[Figure]) -> Vec<String> {
             verdict,
             bytes
         );
-        if let Some((_, ns, who)) =
-            PEERS.iter().find(|(robots, ..)| f.name == format!("kinematic/peers/{robots}"))
+        if let Some((_, ns, who)) = PEERS
+            .iter()
+            .find(|(robots, ..)| f.name == format!("kinematic/peers/{robots}"))
         {
-            line += &format!("  fastest peer: {who}, {ns:.0} ns, {:.1} times ours", ns / f.median_ns);
+            line += &format!(
+                "  fastest peer: {who}, {ns:.0} ns, {:.1} times ours",
+                ns / f.median_ns
+            );
         }
         lines.push(line);
     }

@@ -3,6 +3,11 @@
 //! The compiler turns them into vector registers; functions built for AVX2 and for the portable
 //! target run the same source with only `+ - * / sqrt`, so both give the same bits.
 
+#![allow(
+    clippy::needless_range_loop,
+    reason = "plain counted loops over all lanes are what the compiler turns into vectors"
+)]
+
 use std::ops::{Add, Div, Mul, Sub};
 
 /// Number of lanes.
@@ -193,7 +198,7 @@ impl U8 {
 
     /// Lane by lane, logical shift right.
     #[inline(always)]
-    pub fn shr(self, bits: u32) -> U8 {
+    pub fn shifted_right(self, bits: u32) -> U8 {
         let mut out = [0; LANES];
         for k in 0..LANES {
             out[k] = self.0[k] >> bits;

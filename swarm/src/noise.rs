@@ -25,12 +25,12 @@ const LANE_OFFSETS: U8 = {
 pub fn spread(word: u64) -> U8 {
     // Two rounds of a 32-bit mixer of low bias (C. Wellons), the halves of the word fed in turn.
     let mut x = U8::splat(word as u32).wrapping_add(LANE_OFFSETS);
-    x = x.xor(x.shr(16)).wrapping_mul(0x21F0_AAAD);
+    x = x.xor(x.shifted_right(16)).wrapping_mul(0x21F0_AAAD);
     x = x
-        .xor(x.shr(15))
+        .xor(x.shifted_right(15))
         .xor(U8::splat((word >> 32) as u32))
         .wrapping_mul(0xD35A_2D97);
-    x.xor(x.shr(15))
+    x.xor(x.shifted_right(15))
 }
 
 /// Eight standard normal values.
@@ -40,8 +40,8 @@ pub fn normals(word: u64) -> F8 {
     // Byte sums in two steps: pairs of bytes in 16-bit halves, then the halves.
     let pairs = bits
         .and(0x00FF_00FF)
-        .wrapping_add(bits.shr(8).and(0x00FF_00FF));
-    let sums = pairs.and(0xFFFF).wrapping_add(pairs.shr(16));
+        .wrapping_add(bits.shifted_right(8).and(0x00FF_00FF));
+    let sums = pairs.and(0xFFFF).wrapping_add(pairs.shifted_right(16));
     let t = (sums.to_f32() - F8::splat(510.0)) * F8::splat(1.0 / 510.0);
     let t2 = t * t;
     let [c1, c3, c5, c7] = QUANTILE.map(F8::splat);

@@ -69,6 +69,15 @@ impl Method {
         }
     }
 
+    /// Whether it trains in an arena of its own before, or while, it explores.
+    pub fn trains(self, states_from: StatesFrom) -> bool {
+        match self {
+            Method::Brownian => false,
+            Method::Im => states_from == StatesFrom::Phase1,
+            _ => true,
+        }
+    }
+
     /// Whether it is one of the evolved baselines, which evolve all along.
     pub fn is_evolved_baseline(self) -> bool {
         use Method::{Curiosity, CuriosityA, Discovery, DiscoveryA};

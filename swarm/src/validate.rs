@@ -4,7 +4,7 @@ use arenas::Arena;
 
 use crate::placement::enough_starts;
 use crate::run::{MAX_EPOCHS, MAX_ROBOTS, MAX_STEPS_PER_EPOCH};
-use crate::spec::{FieldError, Method, Placement, RunSpec, StatesFrom};
+use crate::spec::{FieldError, Placement, RunSpec};
 
 fn error(pointer: &str, message: impl Into<String>, allowed: impl Into<String>) -> FieldError {
     FieldError {
@@ -15,15 +15,6 @@ fn error(pointer: &str, message: impl Into<String>, allowed: impl Into<String>) 
 }
 
 impl RunSpec {
-    /// Whether the method has a phase of training in an arena of its own.
-    pub fn needs_training(&self) -> bool {
-        match self.controller.method {
-            Method::Brownian => false,
-            Method::Im => self.controller.parameters.states_from == StatesFrom::Phase1,
-            _ => true,
-        }
-    }
-
     /// Everything that is wrong with the spec; empty when it can run.
     ///
     /// Whether `robots` fit under a random placement shows only when the run is made.
@@ -48,7 +39,12 @@ impl RunSpec {
         if let Some(training) = &self.controller.training {
             range("/controller/train/epochs", training.epochs, MAX_EPOCHS);
         }
-        if self.needs_training() && self.controller.training.is_none() {
+        if self
+            .controller
+            .method
+            .trains(self.controller.parameters.states_from)
+            && self.controller.training.is_none()
+        {
             errors.push(error(
                 "/controller/train",
                 format!("`{}` needs a training arena", self.controller.method.name()),

@@ -2,7 +2,6 @@
 
 use api::ArenaRef;
 use sha2::{Digest, Sha256};
-use swarm::spec::{Method, RunSpec, StatesFrom};
 
 use crate::spec::{ArenaSource, BuiltinArenas, ExpandedJob, ResolvedRun};
 use crate::store::{NewJob, NewRun};
@@ -27,7 +26,7 @@ fn new_run(run: &ResolvedRun) -> NewRun {
         arena: run.arena().name().to_owned(),
         method: run.method().name().to_owned(),
         epochs_total: spec.epochs,
-        robot_steps_total: expected_robot_steps(&spec),
+        robot_steps_total: spec.robot_steps(),
         uploaded_arenas: uploaded_arenas(&run.canonical()),
     }
 }
@@ -48,27 +47,4 @@ fn uploaded_arenas(spec: &api::RunSpec) -> Vec<String> {
         _ => None,
     })
     .collect()
-}
-
-/// Robot-steps to expect before the run itself says how many: its counted epochs, and those of its
-/// training.
-fn expected_robot_steps(spec: &RunSpec) -> u64 {
-    let training = spec.controller.training.as_ref();
-    let trained = training.map_or(0, |training| training.epochs);
-    let parameters = &spec.controller.parameters;
-    let uncounted = match spec.controller.method {
-        Method::Brownian => 0,
-        Method::Im if parameters.states_from == StatesFrom::Babbling => parameters.babbling_epochs,
-        Method::Im => trained,
-        // Phase 1, and its replay into the repository.
-        Method::EvIterC | Method::EvIterD | Method::EvIterCa | Method::EvIterDa => 2 * trained,
-        // Each controller is evaluated where it evolves, and run where visits count.
-        Method::Curiosity | Method::CuriosityA | Method::Discovery | Method::DiscoveryA => {
-            let elsewhere = training.is_some_and(|training| *training.arena != *spec.arena);
-            if elsewhere { spec.epochs } else { 0 }
-        }
-    };
-    (u64::from(spec.epochs) + u64::from(uncounted))
-        * u64::from(spec.steps_per_epoch)
-        * u64::from(spec.robots)
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde_json::Value;
 use swarm::parameters::{Parameter, ParameterError, Shown, Value as ParameterValue};
 use swarm::robot::{Preset, RobotModel, RobotParameters};
-use swarm::spec::{ControllerParameters, ControllerSpec, Method, StatesFrom, Training};
+use swarm::spec::{ControllerParameters, ControllerSpec, Method, Training};
 
 use super::arena::Arenas;
 use super::fields::{Errors, Object, kind};
@@ -15,22 +15,6 @@ use super::resolve::MAX_EPOCHS;
 const DEFAULT_METHOD: Method = Method::EvIterC;
 const DEFAULT_TRAINING_ARENA: &str = "easy";
 const DEFAULT_TRAINING_EPOCHS: u64 = 200;
-
-/// Whether a method trains before, or while, it explores.
-pub fn trains(method: Method, states_from: StatesFrom) -> bool {
-    match method {
-        Method::Brownian => false,
-        Method::Im => states_from == StatesFrom::Phase1,
-        Method::Curiosity
-        | Method::CuriosityA
-        | Method::Discovery
-        | Method::DiscoveryA
-        | Method::EvIterC
-        | Method::EvIterD
-        | Method::EvIterCa
-        | Method::EvIterDa => true,
-    }
-}
 
 /// Resolves `controller`, and says how it is shown with every default.
 pub fn controller(
@@ -57,7 +41,7 @@ pub fn controller(
         errors,
     );
 
-    let (training, train) = if trains(method, parameters.states_from) {
+    let (training, train) = if method.trains(parameters.states_from) {
         let (training, shown) = training(object.get("train"), arenas, errors)?;
         (Some(training), Some(shown))
     } else {

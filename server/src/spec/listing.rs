@@ -6,8 +6,6 @@ use swarm::parameters::{Parameter, Shown};
 use swarm::robot::{Preset, RobotParameters};
 use swarm::spec::{ControllerParameters, Method, StatesFrom};
 
-use super::controller::trains;
-
 /// Every method, preset and parameter.
 pub fn controllers() -> ControllerListing {
     ControllerListing {
@@ -28,7 +26,7 @@ pub fn controllers() -> ControllerListing {
 fn listed(method: Method) -> MethodListing {
     let trains = match StatesFrom::ALL
         .iter()
-        .filter(|from| trains(method, **from))
+        .filter(|from| method.trains(**from))
         .count()
     {
         0 => "no",

@@ -1,5 +1,10 @@
 //! The robot: body, wheels and proximity sensors, as parameters with presets.
 
+#![allow(
+    clippy::approx_constant,
+    reason = "figures as the data sheet gives them"
+)]
+
 pub mod response;
 
 use serde::{Deserialize, Serialize};

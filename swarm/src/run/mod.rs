@@ -7,7 +7,7 @@ mod snapshot;
 mod tests;
 mod types;
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use arenas::Arena;
 use sha2::{Digest, Sha256};
@@ -37,7 +37,8 @@ pub struct Run {
     place: Place,
     learners: Learners,
     curve: Vec<CurveRow>,
-    reachable: u32,
+    /// Squares in reach, counted when first asked for.
+    reachable: OnceLock<u32>,
     /// Sensori-motor clusters that phase 1 ended with.
     sensori_motor_clusters: u32,
 }
@@ -126,9 +127,8 @@ impl Run {
             })?;
             venues.push(venue);
         }
-        let radius_m = spec.robot.parameters.body_radius_m;
         let mut run = Self {
-            reachable: arenas::reachable(&spec.arena, spec.arena.starts()[0], radius_m).count,
+            reachable: OnceLock::new(),
             learners: Learners::Idle,
             place: Place {
                 stage: 0,
@@ -276,17 +276,12 @@ impl Run {
     /// How far the run is.
     pub fn progress(&self) -> Progress {
         let robots = u64::from(self.spec.robots);
-        let arena_epochs: u64 = self
-            .stages
-            .iter()
-            .map(|s| s.kind.arena_epochs() * u64::from(s.epochs))
-            .sum();
         Progress {
             phase: self.stage().map_or(Phase::Done, |stage| stage.kind.phase()),
             epochs_done: self.curve.len() as u32,
             epochs_total: self.spec.epochs,
             robot_steps_done: self.place.steps * robots,
-            robot_steps_total: arena_epochs * u64::from(self.spec.steps_per_epoch) * robots,
+            robot_steps_total: self.spec.robot_steps(),
         }
     }
 
@@ -312,7 +307,10 @@ impl Run {
 
     /// Squares of the target arena that a robot of this size can reach from the first start pose.
     pub fn reachable(&self) -> u32 {
-        self.reachable
+        let (arena, radius_m) = (&self.spec.arena, self.spec.robot.parameters.body_radius_m);
+        *self
+            .reachable
+            .get_or_init(|| arenas::reachable(arena, arena.starts()[0], radius_m).count)
     }
 
     /// Arena steps so far, all stages together: the number of the current frame.
@@ -351,7 +349,7 @@ impl Run {
         let (sensor_clusters, actuator_clusters) = self.learners.clusters();
         Some(Outcome {
             coverage: self.curve_row(self.spec.epochs),
-            reachable: self.reachable,
+            reachable: self.reachable(),
             robot_steps: self.progress().robot_steps_done,
             collisions: self.venues[TARGET].world.state().collisions,
             sensor_clusters,
