@@ -137,8 +137,8 @@ mod tests {
         let model = RobotModel::default();
         let drive = Drive::new(&model);
         for (left, right) in [
-            (6.28, 6.28),
-            (6.28, -6.28),
+            (6.27, 6.27),
+            (6.27, -6.27),
             (3.0, 1.0),
             (-2.0, 5.0),
             (0.0, 0.0),
@@ -164,10 +164,12 @@ mod tests {
 
     #[test]
     fn top_speed_is_reached_under_the_acceleration_limit() {
-        let drive = Drive::new(&RobotModel::default());
+        let model = RobotModel::default();
+        let drive = Drive::new(&model);
+        let top = model.parameters.max_wheel_speed_rad_s as f32;
         let mut speed = 0.0;
         let mut steps = 0;
-        while speed < 6.28 {
+        while speed < top {
             speed = drive.accelerate(speed, 1.0);
             steps += 1;
         }

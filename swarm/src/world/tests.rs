@@ -222,12 +222,15 @@ fn robots_are_seen_as_discs() {
     let ground = open(&model);
     let mut stream = Stream::new(4);
     for _ in 0..300 {
-        let (distance, bearing) = (0.075 + 0.1 * stream.uniform(), 6.28 * stream.uniform());
+        let (distance, bearing) = (
+            0.075 + 0.1 * stream.uniform(),
+            std::f64::consts::TAU * stream.uniform(),
+        );
         let other = (
             25.0 + distance * bearing.cos(),
             25.0 + distance * bearing.sin(),
         );
-        let heading = 6.28 * stream.uniform();
+        let heading = std::f64::consts::TAU * stream.uniform();
         let pair = world(
             &ground,
             &model,
