@@ -88,7 +88,7 @@ const AREA_PER_ROBOT_M2: f64 = 0.036;
 
 /// A square arena with room for `robots` robots and a short wall for every five.
 pub fn scaled_arena(robots: u64) -> Result<Arc<Arena>> {
-    let side_m = (robots as f64 * AREA_PER_ROBOT_M2).sqrt();
+    let side_m = (robots as f64 * AREA_PER_ROBOT_M2).sqrt().max(0.19);
     let mut walls = Vec::new();
     let mut number = 0;
     while walls.len() < (robots / 5) as usize {
@@ -291,7 +291,7 @@ pub fn all() -> Vec<Case> {
             },
         ));
     }
-    for robots in [10, 100, 1_000, 10_000, 100_000] {
+    for robots in [1, 10, 100, 1_000, 10_000, 100_000] {
         cases.push(case(
             format!("kinematic/swarm/{robots}/brownian"),
             robots,
@@ -305,7 +305,7 @@ pub fn all() -> Vec<Case> {
             },
         ));
     }
-    for robots in [10, 100, 1_000, 10_000] {
+    for robots in [1, 10, 100, 1_000, 10_000] {
         let mut learning = case(
             format!("kinematic/swarm/{robots}/im"),
             robots,
@@ -342,9 +342,18 @@ pub fn all() -> Vec<Case> {
         let world = world(&peer_arena(1)?, 1, Placement::Start, Rapier)?;
         Ok(stepped(world, vec![Peer { key: 0 }]))
     }));
-    cases.push(case("rapier/swarm/1000/brownian", 1_000, None, || {
-        let world = world(&scaled_arena(1_000)?, 1_000, Placement::Random, Rapier)?;
-        Ok(stepped(world, brownians(1_000)))
-    }));
+    for robots in [1, 10, 100, 1_000, 10_000] {
+        let mut rigid = case(
+            format!("rapier/swarm/{robots}/brownian"),
+            robots,
+            None,
+            move || {
+                let world = world(&scaled_arena(robots)?, robots, Placement::Random, Rapier)?;
+                Ok(stepped(world, brownians(robots)))
+            },
+        );
+        rigid.standard = robots == 1_000;
+        cases.push(rigid);
+    }
     cases
 }

@@ -2,5 +2,7 @@
 
 pub mod cases;
 pub mod compare;
+pub mod instructions;
 pub mod measure;
+pub mod picture;
 pub mod table;

@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use clap::Parser;
 use loadtests::cases::{self, Case};
 use loadtests::measure::{Figure, measure};
-use loadtests::{compare, table};
+use loadtests::{compare, instructions, picture, table};
 
 /// Benchmarks of the step loop: CPU nanoseconds a robot-step, on one thread.
 #[derive(Parser)]
@@ -30,8 +30,16 @@ struct Options {
     /// Earlier figures to compare with.
     #[arg(long)]
     base: Option<PathBuf>,
-    /// Steps one case by this many arena steps and prints nothing: for instruction counts under
-    /// `valgrind --tool=callgrind`.
+    /// Counts instructions (with valgrind) and peak memory instead of measuring time.
+    #[arg(long)]
+    instructions: bool,
+    /// Also draws cost and memory against robots into this SVG file.
+    #[arg(long)]
+    picture: Option<PathBuf>,
+    /// Steps just this case, by `--steps`: for profilers.
+    #[arg(long, requires = "steps")]
+    case: Option<String>,
+    /// Arena steps for `--case`.
     #[arg(long)]
     steps: Option<u64>,
 }
@@ -42,9 +50,25 @@ fn main() -> Result<()> {
         .into_iter()
         .filter(|case| case.name.contains(&options.only) && (case.standard || options.full))
         .collect();
-    if let Some(steps) = options.steps {
+    if let (Some(name), Some(steps)) = (&options.case, options.steps) {
+        let case = cases::all().into_iter().find(|case| case.name == *name);
+        ((case.context("no case of this name")?.setup)()?.chunk)(steps);
+        eprintln!("peak_bytes {}", instructions::peak_bytes().unwrap_or(0));
+        return Ok(());
+    }
+    if options.instructions {
+        println!(
+            "{:<34} {:>18} {:>14}",
+            "case", "instructions/step", "peak MB"
+        );
         for case in &cases {
-            ((case.setup)()?.chunk)(steps);
+            let count = instructions::count(case)?;
+            println!(
+                "{:<34} {:>18.0} {:>14.1}",
+                count.name,
+                count.instructions,
+                count.peak_bytes as f64 / 1e6
+            );
         }
         return Ok(());
     }
@@ -64,6 +88,10 @@ fn main() -> Result<()> {
     std::fs::write(&options.out, serde_json::to_string_pretty(&figures)? + "\n")
         .with_context(|| format!("writing {}", options.out.display()))?;
     println!("\nfigures: {}", options.out.display());
+    if let Some(path) = &options.picture {
+        picture::scaling(&figures, path)?;
+        println!("picture: {}", path.display());
+    }
     if let Some(base) = &options.base {
         let text =
             std::fs::read_to_string(base).with_context(|| format!("reading {}", base.display()))?;
