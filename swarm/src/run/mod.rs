@@ -19,7 +19,7 @@ use crate::random::Site;
 use crate::spec::{Episodes, FieldError, RunSpec};
 use crate::world::{Backend, Body, Ground, StartPose, World};
 use learners::Learners;
-use plan::{Stage, StageKind, stages};
+use plan::{Stage, StageKind, arena_epochs, stages};
 
 /// Most epochs of a run.
 pub const MAX_EPOCHS: u32 = 1_000_000;
@@ -281,7 +281,9 @@ impl Run {
             epochs_done: self.curve.len() as u32,
             epochs_total: self.spec.epochs,
             robot_steps_done: self.place.steps * robots,
-            robot_steps_total: self.spec.robot_steps(),
+            robot_steps_total: arena_epochs(&self.stages)
+                * u64::from(self.spec.steps_per_epoch)
+                * robots,
         }
     }
 

@@ -94,13 +94,17 @@ pub(super) fn stages(spec: &RunSpec) -> Vec<Stage> {
     }
 }
 
+/// Arena epochs of all stages together.
+pub(super) fn arena_epochs(stages: &[Stage]) -> u64 {
+    stages
+        .iter()
+        .map(|stage| stage.kind.arena_epochs() * u64::from(stage.epochs))
+        .sum()
+}
+
 impl RunSpec {
     /// Robot-steps that a run of this spec takes, uncounted phases included.
     pub fn robot_steps(&self) -> u64 {
-        let epochs: u64 = stages(self)
-            .iter()
-            .map(|s| s.kind.arena_epochs() * u64::from(s.epochs))
-            .sum();
-        epochs * u64::from(self.steps_per_epoch) * u64::from(self.robots)
+        arena_epochs(&stages(self)) * u64::from(self.steps_per_epoch) * u64::from(self.robots)
     }
 }
