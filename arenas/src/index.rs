@@ -47,6 +47,20 @@ impl IndexedWall {
     }
 }
 
+/// The column (or row) of a grid that a coordinate lies in; 0 for what is not a number.
+///
+/// `last`, the highest, must be a whole number from 0 to 2^24.
+#[inline(always)]
+pub fn grid_coordinate(position_m: f32, inverse_cell_m: f32, last: f32) -> usize {
+    let place = position_m * inverse_cell_m;
+    let place = if place > 0.0 { place } else { 0.0 };
+    let place = if place < last { place } else { last };
+    debug_assert!((0.0..=16_777_216.0).contains(&place));
+    // SAFETY: 0 <= place <= last <= 2^24, which an i32 holds.
+    let whole: i32 = unsafe { place.to_int_unchecked() };
+    whole as usize
+}
+
 #[derive(Clone, Copy, Debug, Default)]
 struct Cell {
     start: u32,
@@ -58,8 +72,8 @@ struct Cell {
 #[derive(Clone, Debug)]
 pub struct WallIndex {
     inverse_cell_m: f32,
-    last_column: i32,
-    last_row: i32,
+    last_column: f32,
+    last_row: f32,
     columns: usize,
     cells: Vec<Cell>,
     listing: Vec<u32>,
@@ -127,8 +141,8 @@ impl WallIndex {
         }
         Self {
             inverse_cell_m: (1.0 / cell_m) as f32,
-            last_column: columns as i32 - 1,
-            last_row: rows as i32 - 1,
+            last_column: (columns - 1) as f32,
+            last_row: (rows - 1) as f32,
             columns,
             cells,
             listing,
@@ -138,9 +152,9 @@ impl WallIndex {
 
     #[inline(always)]
     fn cell(&self, x_m: f32, y_m: f32) -> Cell {
-        let column = ((x_m * self.inverse_cell_m) as i32).clamp(0, self.last_column);
-        let row = ((y_m * self.inverse_cell_m) as i32).clamp(0, self.last_row);
-        self.cells[row as usize * self.columns + column as usize]
+        let column = grid_coordinate(x_m, self.inverse_cell_m, self.last_column);
+        let row = grid_coordinate(y_m, self.inverse_cell_m, self.last_row);
+        self.cells[row * self.columns + column]
     }
 
     /// Numbers of the walls that a robot near (x, y) can touch.

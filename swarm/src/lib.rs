@@ -12,6 +12,7 @@ pub mod parameters;
 pub mod pilot;
 pub mod pilots;
 pub mod placement;
+mod prefetch;
 pub mod random;
 pub mod robot;
 pub mod run;

@@ -12,4 +12,12 @@ pub trait Pilot: Send {
 
     /// Sees the sensor values after the move.
     fn learn(&mut self, raw: &F8);
+
+    /// Called a few robots before [`Pilot::act`]: the place to ask for memory that it will need.
+    #[inline(always)]
+    fn expect_acting(&self) {}
+
+    /// Called a few robots before [`Pilot::learn`]: the place to ask for memory that it will need.
+    #[inline(always)]
+    fn expect_learning(&self) {}
 }

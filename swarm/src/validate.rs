@@ -17,7 +17,7 @@ fn error(pointer: &str, message: impl Into<String>, allowed: impl Into<String>) 
 impl RunSpec {
     /// Everything that is wrong with the spec; empty when it can run.
     ///
-    /// Whether `robots` fit under a random placement shows only when the run is made.
+    /// Whether `robots` fit into the arenas is for [`crate::run::check_placement`] to say.
     pub fn validate(&self) -> Vec<FieldError> {
         let mut errors = Vec::new();
         let mut range = |pointer: &str, value: u32, max: u32| {

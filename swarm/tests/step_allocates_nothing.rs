@@ -47,8 +47,14 @@ fn spec(method: Method, robots: u32) -> RunSpec {
         arena: arena("maze"),
         controller: ControllerSpec {
             method,
-            parameters: ControllerParameters { babbling_epochs: 2, ..Default::default() },
-            training: Some(Training { arena: arena("easy"), epochs: 2 }),
+            parameters: ControllerParameters {
+                babbling_epochs: 2,
+                ..Default::default()
+            },
+            training: Some(Training {
+                arena: arena("easy"),
+                epochs: 2,
+            }),
         },
         epochs: 2,
         steps_per_epoch: 400,
@@ -78,7 +84,17 @@ fn allocations_in_steps(spec: RunSpec) -> u64 {
 #[test]
 fn a_step_allocates_nothing() {
     for &method in Method::ALL {
-        assert_eq!(allocations_in_steps(spec(method, 1)), 0, "{}", method.name());
-        assert_eq!(allocations_in_steps(spec(method, 8)), 0, "{} x 8", method.name());
+        assert_eq!(
+            allocations_in_steps(spec(method, 1)),
+            0,
+            "{}",
+            method.name()
+        );
+        assert_eq!(
+            allocations_in_steps(spec(method, 8)),
+            0,
+            "{} x 8",
+            method.name()
+        );
     }
 }

@@ -5,7 +5,7 @@
 //! overlaps goes back to where the step began, together with whoever that blocks: positions before
 //! the step were free of overlap, so this ends, and no overlap above [`OVERLAP_M`] survives a step.
 
-use arenas::index::WallIndex;
+use arenas::index::{WallIndex, grid_coordinate};
 
 use super::kinematic::Contact;
 use crate::world::Body;
@@ -48,12 +48,29 @@ struct Entry {
     robot: u32,
 }
 
+/// Cells at least as wide as robots see.
+#[derive(Clone, Copy, Debug)]
+struct Grid {
+    inverse_cell_m: f32,
+    columns: usize,
+    rows: usize,
+}
+
+impl Grid {
+    /// Column and row of a place.
+    #[inline(always)]
+    fn cell(&self, x_m: f32, y_m: f32) -> [usize; 2] {
+        [
+            grid_coordinate(x_m, self.inverse_cell_m, (self.columns - 1) as f32),
+            grid_coordinate(y_m, self.inverse_cell_m, (self.rows - 1) as f32),
+        ]
+    }
+}
+
 /// Scratch of an arena with several robots; can be rebuilt from positions at any time.
 #[derive(Clone, Debug)]
 pub struct Crowd {
-    inverse_cell_m: f32,
-    columns: i32,
-    rows: i32,
+    grid: Grid,
     /// Start of each cell in `sorted`, one more than there are cells.
     starts: Vec<u32>,
     cell_of: Vec<u32>,
@@ -81,13 +98,15 @@ impl Crowd {
         let candidate_m = 2.0 * contact.radius_m + 4.0 * contact.max_step_m;
         let spread_m = (width_m * height_m / robots.max(64) as f64).sqrt();
         let cell_m = sight_m.max(f64::from(candidate_m)).max(spread_m * 0.5) * 1.000_1;
-        let columns = (width_m / cell_m).ceil().max(1.0) as i32;
-        let rows = (height_m / cell_m).ceil().max(1.0) as i32;
+        let columns = (width_m / cell_m).ceil().max(1.0) as usize;
+        let rows = (height_m / cell_m).ceil().max(1.0) as usize;
         Self {
-            inverse_cell_m: (1.0 / cell_m) as f32,
-            columns,
-            rows,
-            starts: vec![0; (columns * rows) as usize + 1],
+            starts: vec![0; columns * rows + 1],
+            grid: Grid {
+                inverse_cell_m: (1.0 / cell_m) as f32,
+                columns,
+                rows,
+            },
             cell_of: vec![0; robots],
             sorted: vec![Entry::default(); robots],
             near: vec![NOBODY; robots],
@@ -106,9 +125,8 @@ impl Crowd {
     pub fn sort(&mut self, bodies: &[Body]) {
         self.starts.fill(0);
         for (body, cell_of) in bodies.iter().zip(&mut self.cell_of) {
-            let column = ((body.x_m * self.inverse_cell_m) as i32).clamp(0, self.columns - 1);
-            let row = ((body.y_m * self.inverse_cell_m) as i32).clamp(0, self.rows - 1);
-            *cell_of = (row * self.columns + column) as u32;
+            let [column, row] = self.grid.cell(body.x_m, body.y_m);
+            *cell_of = (row * self.grid.columns + column) as u32;
             self.starts[*cell_of as usize] += 1;
         }
         let mut sum = 0;
@@ -144,15 +162,15 @@ impl Crowd {
     /// candidates for the next step.
     #[inline(always)]
     pub fn look_around(&mut self, i: usize, x_m: f32, y_m: f32) -> &[[f32; 2]] {
-        let cell = self.cell_of[i] as i32;
-        let (column, row) = (cell % self.columns, cell / self.columns);
-        let (first, last) = ((column - 1).max(0), (column + 1).min(self.columns - 1));
+        let [column, row] = self.grid.cell(x_m, y_m);
+        let columns = self.grid.columns;
+        let (first, last) = (column.saturating_sub(1), (column + 1).min(columns - 1));
         let near = &mut self.near[i];
         let mut near_count = 0;
         self.seen.clear();
-        for row in (row - 1).max(0)..=(row + 1).min(self.rows - 1) {
-            let begin = self.starts[(row * self.columns + first) as usize] as usize;
-            let end = self.starts[(row * self.columns + last) as usize + 1] as usize;
+        for row in row.saturating_sub(1)..=(row + 1).min(self.grid.rows - 1) {
+            let begin = self.starts[row * columns + first] as usize;
+            let end = self.starts[row * columns + last + 1] as usize;
             for entry in &self.sorted[begin..end] {
                 let (dx, dy) = (entry.x_m - x_m, entry.y_m - y_m);
                 let d2 = dx * dx + dy * dy;

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::flat;
 use crate::lanes::{F8, LANES, U8};
+use crate::prefetch::prefetch;
 
 /// Coordinate of the lanes that hold no centre: farther than anything, its square still finite.
 const FAR: f32 = 1e18;
@@ -172,6 +173,12 @@ impl<const D: usize> Centres<D> {
     #[inline(always)]
     fn used(&self) -> &[[F8; D]] {
         &self.blocks[..(self.len as usize).div_ceil(LANES)]
+    }
+
+    /// Asks for the memory that a search needs.
+    #[inline(always)]
+    pub fn expect_search(&self) {
+        prefetch(&self.blocks[..]);
     }
 
     /// Bytes held, exactly counted.

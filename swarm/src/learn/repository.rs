@@ -6,6 +6,7 @@ use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 
+use crate::prefetch::prefetch;
 use crate::random::below;
 use crate::spec::{ControllerParameters, Insufficiency};
 
@@ -128,6 +129,24 @@ impl Repository {
     #[inline(always)]
     pub fn actions(&self) -> u32 {
         self.na
+    }
+
+    /// Asks for the memory that choosing an action in a state needs.
+    #[inline(always)]
+    pub fn expect_choice(&self, i: u32) {
+        let na = self.na as usize;
+        prefetch(&self.states[i as usize]);
+        prefetch(&self.deficient[i as usize * na..][..na]);
+    }
+
+    /// Asks for the memory that recording a transition needs.
+    #[inline(always)]
+    pub fn expect_record(&self, i: u32, j: u32) {
+        let at = self.at(i, j);
+        let (lambda, ns, na) = (usize::from(self.lambda), self.ns as usize, self.na as usize);
+        prefetch(&self.pairs[at]);
+        prefetch(&self.entries[at * (lambda + ns)..][..lambda + ns]);
+        prefetch(&self.scores[i as usize * na..][..na]);
     }
 
     /// Takes in that action `j` in state `i` led to state `k`; the oldest entry of a full list goes.

@@ -132,4 +132,15 @@ impl Pilot for Explorer {
     fn learn(&mut self, raw: &F8) {
         self.arrive(raw);
     }
+
+    #[inline(always)]
+    fn expect_acting(&self) {
+        self.repository.expect_choice(self.state);
+    }
+
+    #[inline(always)]
+    fn expect_learning(&self) {
+        self.states.expect_search();
+        self.repository.expect_record(self.state, self.action);
+    }
 }

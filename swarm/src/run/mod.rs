@@ -9,7 +9,7 @@ mod types;
 
 use std::sync::{Arc, OnceLock};
 
-use arenas::Arena;
+use arenas::{Arena, Reachable};
 use sha2::{Digest, Sha256};
 
 pub use types::{CurveRow, Outcome, Phase, Progress, RestoreError};
@@ -28,6 +28,9 @@ pub const MAX_STEPS_PER_EPOCH: u32 = 1_000_000;
 /// Most robots of a run.
 pub const MAX_ROBOTS: u32 = 100_000;
 
+/// Entries from which on a square counts for p1, p2, p5 and p10.
+const COVERAGE_LEVELS: [u32; 4] = [1, 2, 5, 10];
+
 /// A run in progress.
 pub struct Run {
     spec: RunSpec,
@@ -37,8 +40,8 @@ pub struct Run {
     place: Place,
     learners: Learners,
     curve: Vec<CurveRow>,
-    /// Squares in reach, counted when first asked for.
-    reachable: OnceLock<u32>,
+    /// Squares in reach, found when first asked for.
+    reachable: OnceLock<Reachable>,
     /// Sensori-motor clusters that phase 1 ended with.
     sensori_motor_clusters: u32,
 }
@@ -68,20 +71,60 @@ struct Place {
     steps: u64,
 }
 
+/// The arenas that robots are put into.
+fn sites<'a>(
+    spec: &'a RunSpec,
+    stages: &[Stage],
+) -> impl Iterator<Item = (&'a Arc<Arena>, Site)> + use<'a> {
+    let trains = stages.iter().any(|stage| stage.kind.begins_in_training());
+    let training = spec.controller.training.as_ref().filter(|_| trains);
+    let training = training.map(|training| (&training.arena, Site::Training));
+    std::iter::once((&spec.arena, Site::Target)).chain(training)
+}
+
+fn starts(spec: &RunSpec, ground: &Ground, site: Site) -> Result<Vec<StartPose>, FieldError> {
+    place(
+        &ground.arena,
+        &spec.robot,
+        &ground.index,
+        spec.placement,
+        spec.robots,
+        spec.seed,
+        site,
+    )
+    .map_err(|error| match site {
+        Site::Target => error,
+        Site::Training => FieldError {
+            message: format!("{} (training arena)", error.message),
+            ..error
+        },
+    })
+}
+
+/// Whether the robots of a valid spec can be put into its arenas. Fewer robots always fit where
+/// more do, and only random placement depends on the seed.
+///
+/// # Errors
+/// When they cannot; says how many can.
+pub fn check_placement(spec: &RunSpec) -> Result<(), FieldError> {
+    sites(spec, &stages(spec)).try_for_each(|(arena, site)| {
+        let ground = Ground::new(Arc::clone(arena), &spec.robot);
+        starts(spec, &ground, site).map(drop)
+    })
+}
+
 impl Venue {
     fn new(spec: &RunSpec, arena: &Arc<Arena>, site: Site) -> Result<Self, FieldError> {
         let ground = Ground::new(Arc::clone(arena), &spec.robot);
-        let (index, robot) = (&ground.index, &spec.robot);
-        let starts = place(
-            arena,
-            robot,
-            index,
-            spec.placement,
-            spec.robots,
+        let starts = starts(spec, &ground, site)?;
+        let world = World::new(
+            &ground,
+            &spec.robot,
+            spec.engine,
+            starts.clone(),
             spec.seed,
             site,
-        )?;
-        let world = World::new(&ground, robot, spec.engine, starts.clone(), spec.seed, site);
+        );
         Ok(Self {
             ground,
             starts,
@@ -115,18 +158,10 @@ impl Run {
             return Err(errors);
         }
         let stages = stages(&spec);
-        let mut venues = vec![Venue::new(&spec, &spec.arena, Site::Target).map_err(|e| vec![e])?];
-        if stages.iter().any(|stage| stage.kind.begins_in_training())
-            && let Some(training) = &spec.controller.training
-        {
-            let venue = Venue::new(&spec, &training.arena, Site::Training).map_err(|e| {
-                vec![FieldError {
-                    message: format!("{} (training arena)", e.message),
-                    ..e
-                }]
-            })?;
-            venues.push(venue);
-        }
+        let venues = sites(&spec, &stages)
+            .map(|(arena, site)| Venue::new(&spec, arena, site))
+            .collect::<Result<_, _>>()
+            .map_err(|e| vec![e])?;
         let mut run = Self {
             reachable: OnceLock::new(),
             learners: Learners::Idle,
@@ -308,11 +343,10 @@ impl Run {
     }
 
     /// Squares of the target arena that a robot of this size can reach from the first start pose.
-    pub fn reachable(&self) -> u32 {
+    pub fn reachable(&self) -> &Reachable {
         let (arena, radius_m) = (&self.spec.arena, self.spec.robot.parameters.body_radius_m);
-        *self
-            .reachable
-            .get_or_init(|| arenas::reachable(arena, arena.starts()[0], radius_m).count)
+        self.reachable
+            .get_or_init(|| arenas::reachable(arena, arena.starts()[0], radius_m))
     }
 
     /// Arena steps so far, all stages together: the number of the current frame.
@@ -349,9 +383,11 @@ impl Run {
             return None;
         }
         let (sensor_clusters, actuator_clusters) = self.learners.clusters();
+        let reachable = self.reachable();
         Some(Outcome {
             coverage: self.curve_row(self.spec.epochs),
-            reachable: self.reachable(),
+            reachable: reachable.count,
+            coverage_reachable: counts_within(&self.visits(), &reachable.mask),
             robot_steps: self.progress().robot_steps_done,
             collisions: self.venues[TARGET].world.state().collisions,
             sensor_clusters,
@@ -364,6 +400,18 @@ impl Run {
             state_sha256: hex(&Sha256::digest(self.snapshot())),
         })
     }
+}
+
+/// Squares of a mask entered at least 1, 2, 5 and 10 times.
+pub fn counts_within(visits: &[u32], mask: &[bool]) -> [u32; 4] {
+    COVERAGE_LEVELS.map(|level| {
+        let entered = visits
+            .iter()
+            .zip(mask)
+            .filter(|&(&entries, &inside)| inside && entries >= level);
+        // An arena has at most 1,000 x 1,000 squares.
+        entered.count() as u32
+    })
 }
 
 fn hex(bytes: &[u8]) -> String {

@@ -58,6 +58,8 @@ pub struct Outcome {
     pub coverage: CurveRow,
     /// Squares that a robot of this size can reach from the first start pose.
     pub reachable: u32,
+    /// Of these, the squares entered at least 1, 2, 5 and 10 times.
+    pub coverage_reachable: [u32; 4],
     /// Robot-steps, uncounted phases included.
     pub robot_steps: u64,
     /// Robot-steps of the counted epochs that touched a wall or a robot.

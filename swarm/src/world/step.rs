@@ -4,14 +4,20 @@
 //! the order of robots cannot matter: where neighbours matter, they are taken in the order of their
 //! cells, which keeps what is read together in the cache.
 
-use super::{Backend, Body, World};
+use arenas::index::grid_coordinate;
+
+use super::{Backend, World};
 use crate::engine::Motor;
 use crate::lanes::F8;
 use crate::pilot::Pilot;
+use crate::prefetch::prefetch;
 use crate::random::{mix64, unit};
 
 /// Odd, close to 2^64 / golden ratio: spreads counters over all words.
 const SPREAD: u64 = 0x9E37_79B9_7F4A_7C15;
+
+/// How many robots ahead learners are told that their turn comes.
+const AHEAD: usize = 2;
 
 impl World {
     /// Moves every robot `steps` times; `pilots` has one entry a robot.
@@ -42,8 +48,11 @@ impl World {
             self.collide();
             self.account();
             self.sense();
-            for (pilot, body) in pilots.iter_mut().zip(&self.state.bodies) {
-                pilot.learn(&F8(body.sensors));
+            for i in 0..pilots.len() {
+                if let Some(soon) = pilots.get(i + AHEAD) {
+                    soon.expect_learning();
+                }
+                pilots[i].learn(&F8(self.state.bodies[i].sensors));
             }
             self.state.step += 1;
         }
@@ -53,8 +62,11 @@ impl World {
     fn decide_and_drive<P: Pilot>(&mut self, pilots: &mut [P]) {
         let step = self.state.step;
         let drive = &self.drive;
-        for (i, (pilot, body)) in pilots.iter_mut().zip(&mut self.state.bodies).enumerate() {
-            let command = pilot.act(step, &F8(body.sensors));
+        for (i, body) in self.state.bodies.iter_mut().enumerate() {
+            if let Some(soon) = pilots.get(i + AHEAD) {
+                soon.expect_acting();
+            }
+            let command = pilots[i].act(step, &F8(body.sensors));
             body.command = command;
             let left = drive.accelerate(body.wheels_rad_s[0], command[0]);
             let right = drive.accelerate(body.wheels_rad_s[1], command[1]);
@@ -85,7 +97,7 @@ impl World {
             }
             (Motor::Kinematic, Some(crowd)) => {
                 for place in 0..bodies.len() {
-                    prefetch(bodies, crowd.robot_ahead(place));
+                    prefetch(&bodies[crowd.robot_ahead(place)]);
                     let body = &mut bodies[crowd.robot_at(place)];
                     self.contact.move_body(&self.index, body);
                 }
@@ -97,9 +109,9 @@ impl World {
 
     #[inline(always)]
     pub(super) fn square_of(&self, x_m: f32, y_m: f32) -> u32 {
-        let last = self.squares_per_side as i32 - 1;
-        let column = ((x_m * self.squares_per_m[0]) as i32).clamp(0, last);
-        let row = ((y_m * self.squares_per_m[1]) as i32).clamp(0, last);
+        let last = (self.squares_per_side - 1) as f32;
+        let column = grid_coordinate(x_m, self.squares_per_m[0], last);
+        let row = grid_coordinate(y_m, self.squares_per_m[1], last);
         row as u32 * self.squares_per_side + column as u32
     }
 
@@ -139,7 +151,7 @@ impl World {
             Some(crowd) => {
                 crowd.sort(bodies);
                 for place in 0..bodies.len() {
-                    prefetch(bodies, crowd.robot_ahead(place));
+                    prefetch(&bodies[crowd.robot_ahead(place)]);
                     let i = crowd.robot_at(place);
                     let body = &mut bodies[i];
                     let (x_m, y_m) = (body.x_m, body.y_m);
@@ -162,21 +174,6 @@ impl World {
             for (i, body) in self.state.bodies.iter().enumerate() {
                 crowd.look_around(i, body.x_m, body.y_m);
             }
-        }
-    }
-}
-
-/// Asks for a body that is needed soon.
-#[inline(always)]
-fn prefetch(bodies: &[Body], i: usize) {
-    #[cfg(target_arch = "x86_64")]
-    if let Some(body) = bodies.get(i) {
-        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        let address = std::ptr::from_ref(body).cast::<i8>();
-        // SAFETY: a prefetch reads nothing; the address lies inside `body`.
-        unsafe {
-            _mm_prefetch::<_MM_HINT_T0>(address);
-            _mm_prefetch::<_MM_HINT_T0>(address.add(size_of::<Body>() - 1));
         }
     }
 }
