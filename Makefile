@@ -39,4 +39,4 @@ deny:
 	PATH="$$PATH:$(dir $(abspath $(CARGO_DENY)))" $(CARGO) deny check bans licenses sources
 
 bench:
-	$(CARGO) run --release -p loadtests -- $(ARGS)
+	$(CARGO) run --release -p loadtests -- $(if $(BASE),--base $(BASE)) $(ARGS)

@@ -62,6 +62,10 @@ pub struct RunSummary {
     pub arena: String,
     /// Name of the method.
     pub method: String,
+    /// What of the job's matrix it has, such as `alpha 0.5`: runs with the same differ in their seed
+    /// alone. Empty when nothing varies.
+    #[serde(default)]
+    pub label: String,
     /// Where it is in its life.
     pub state: State,
     /// How far it is; null before it starts.

@@ -17,7 +17,8 @@ pub struct CurveRow {
     pub p10: u32,
 }
 
-/// Coverage as shares of the reachable squares; 0 where none is reachable.
+/// Coverage as shares of the reachable squares: only squares among them count, so no share is above
+/// 1; all are 0 where no square is reachable.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Fractions {
     /// Squares entered at least once.
@@ -56,7 +57,7 @@ pub struct RunResult {
     pub p10: u32,
     /// Squares that a robot of this size can reach from the first start pose.
     pub reachable: u32,
-    /// The four counts as shares of `reachable`.
+    /// The four counts inside the reachable squares, as shares of `reachable`.
     pub fractions: Fractions,
     /// Robot-steps, uncounted phases included.
     pub steps: u64,
@@ -91,6 +92,10 @@ pub struct Coverage {
     pub p5: u32,
     /// At least ten times.
     pub p10: u32,
+    /// Squares that a robot of this size can reach from the first start pose.
+    pub reachable: u32,
+    /// The four counts inside the reachable squares, as shares of `reachable`.
+    pub fractions: Fractions,
     /// Entries counted, row by row; the first row is the lowest y.
     pub visits: Vec<Vec<u32>>,
 }

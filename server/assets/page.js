@@ -200,7 +200,7 @@ async function showJob() {
   const curves = await Promise.all(page.items.map(curve));
   if (chosen !== state.job) return;
   drawChart($("chart"), page.items.map((run, place) => ({
-    group: `${run.arena} · ${run.method}`, epochs: run.progress?.epochs_total ?? 0, rows: curves[place],
+    group: run.label || `${run.arena} · ${run.method}`, epochs: run.progress?.epochs_total ?? 0, rows: curves[place],
   })));
   await Promise.all([...$("runs").children].map(refreshPicture));
 }
@@ -268,7 +268,7 @@ function updateRunCard(card, run) {
   const covered = run.result
     ? `${whole.format(run.result.p1)} squares, ${percent.format(run.result.fractions.p1)} of reachable`
     : progress && `${progress.phase}, epoch ${whole.format(progress.epochs_done)} of ${whole.format(progress.epochs_total)}`;
-  write(card.querySelector(".facts"), sentence([`${run.arena} · ${run.method}`, covered, ...(progress ? pace(progress) : [])]));
+  write(card.querySelector(".facts"), sentence([`${run.arena} · ${run.method}`, run.label, covered, ...(progress ? pace(progress) : [])]));
   const error = card.querySelector(".error");
   write(error, run.error ?? "");
   error.hidden = !run.error;

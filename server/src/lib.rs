@@ -6,6 +6,7 @@ pub mod artifacts;
 pub mod channels;
 pub mod cli;
 pub mod http;
+pub mod reproduce;
 pub mod scheduler;
 pub mod spec;
 pub mod store;

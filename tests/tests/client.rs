@@ -55,6 +55,31 @@ fn a_job_is_submitted_watched_and_asked_for() {
 }
 
 #[test]
+fn a_token_opens_a_server_that_asks_for_one() {
+    let home = tempfile::tempdir().unwrap();
+    let token = "a token of some length";
+    let server = Server::start_with(home.path(), &["--token", token]);
+    let url = server.url().to_owned();
+    let mut spec = small_spec();
+    spec["epochs"] = json!(1_000_000);
+    let job = job(spec, 1).to_string();
+    for (command, said) in [
+        (&["submit", "-"][..], "0 of 1 runs done"),
+        (&["status", "1"], "0 of 1 runs done"),
+        (&["cancel", "1"], "cancelled"),
+    ] {
+        let with = |more: &[&str]| evswarm(&[command, &["--server", &url], more].concat(), &job);
+        let refused = with(&[]);
+        assert_eq!(refused.code, Some(1), "{refused:?}");
+        assert!(refused.stderr.contains("401"), "{refused:?}");
+        assert_eq!(with(&["--token", "another of some length"]).code, Some(1));
+        let done = with(&["--token", token]);
+        assert_eq!(done.code, Some(0), "{done:?}");
+        assert!(done.stdout.contains(said), "{done:?}");
+    }
+}
+
+#[test]
 fn the_catalogue_needs_no_server() {
     let listed = evswarm(&["controllers", "--json"], "");
     let listing: ControllerListing = serde_json::from_str(&listed.stdout).unwrap();

@@ -6,6 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Child;
 use std::sync::OnceLock;
+use std::time::{Duration, Instant};
 
 use rustix::process::Signal;
 use serde_json::{Value, json};
@@ -14,12 +15,27 @@ use tests::files::Findings;
 use tests::server::{Server, signal};
 use tests::wait;
 
-/// All phases, with two robots that meet; long enough to be killed in the middle.
+/// Seconds that the run takes at least, so that it can be killed in the middle.
+const RUN_S: f64 = 4.0;
+
+/// All phases, with two robots that meet; long enough, on any machine, to be killed in the middle.
 fn spec() -> Value {
+    static EPOCHS: OnceLock<u32> = OnceLock::new();
+    let epochs = EPOCHS.get_or_init(|| {
+        let home = tempfile::tempdir().unwrap();
+        let (probe, start) = (400, Instant::now());
+        findings(&spec_of(probe), &home.path().join("out"), "1");
+        let longer = RUN_S / start.elapsed().as_secs_f64();
+        (f64::from(probe) * longer).clamp(3_000.0, 500_000.0) as u32
+    });
+    spec_of(*epochs)
+}
+
+fn spec_of(epochs: u32) -> Value {
     json!({
         "seed": 7, "arena": "graph", "robots": 2, "placement": "grid",
         "controller": { "method": "ev-iter-c", "train": { "arena": "easy", "epochs": 100 } },
-        "epochs": 3_000
+        "epochs": epochs
     })
 }
 
@@ -113,7 +129,7 @@ fn a_stopped_and_a_killed_command_go_on() {
         wait::until("the run to begin", || {
             home.path().join("out.partial").is_dir().then_some(())
         });
-        std::thread::sleep(std::time::Duration::from_millis(300));
+        std::thread::sleep(Duration::from_millis(200));
         assert!(child.try_wait().unwrap().is_none(), "it was done too soon");
         assert!(!out.exists(), "all files or none");
     };

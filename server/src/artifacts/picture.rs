@@ -1,6 +1,7 @@
 //! The coverage picture: squares by visits, walls, start poses, axes in metres and a legend.
 
 use arenas::Arena;
+use swarm::run::counts_within;
 
 use super::palette::{self, BLACK, Colour, GREY, HATCH, START, STEPS, UNREACHABLE, WHITE};
 use super::scene::{Anchor, Item, Scene};
@@ -328,7 +329,8 @@ fn legend(items: &mut Vec<Item>, plot: &Plot, visits: &[u32], reachable: Option<
     y += 1.6 * line_px;
     text(items, "Squares entered", [left, y], heading);
     let total = reachable.map(|mask| mask.iter().filter(|&&reached| reached).count());
-    for (step, count) in STEPS.iter().zip(coverage_counts(visits)) {
+    let inside = reachable.map_or([0; STEPS.len()], |mask| counts_within(visits, mask));
+    for ((step, count), inside) in STEPS.iter().zip(coverage_counts(visits)).zip(inside) {
         y += line_px;
         let from = step.from;
         let times = if from == 1 {
@@ -350,7 +352,7 @@ fn legend(items: &mut Vec<Item>, plot: &Plot, visits: &[u32], reachable: Option<
         );
         text(items, count.to_string(), [left + 200.0, y], number);
         if let Some(total) = total.filter(|&total| total > 0) {
-            let percent = 100.0 * f64::from(count) / total as f64;
+            let percent = 100.0 * f64::from(inside) / total as f64;
             text(
                 items,
                 format!("{percent:.1} %"),

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use api::{ClusterCounts, Coverage, Fractions, RunResult, SCHEMA};
 use arenas::Arena;
-use swarm::run::{CurveRow, Outcome};
+use swarm::run::{CurveRow, Outcome, counts_within};
 
 use super::palette::STEPS;
 
@@ -13,10 +13,6 @@ pub fn run_result(outcome: &Outcome) -> RunResult {
     let CurveRow {
         p1, p2, p5, p10, ..
     } = outcome.coverage;
-    let share = |count: u32| match outcome.reachable {
-        0 => 0.0,
-        reachable => f64::from(count) / f64::from(reachable),
-    };
     RunResult {
         schema: SCHEMA,
         p1,
@@ -24,12 +20,7 @@ pub fn run_result(outcome: &Outcome) -> RunResult {
         p5,
         p10,
         reachable: outcome.reachable,
-        fractions: Fractions {
-            p1: share(p1),
-            p2: share(p2),
-            p5: share(p5),
-            p10: share(p10),
-        },
+        fractions: fractions(outcome.coverage_reachable, outcome.reachable),
         steps: outcome.robot_steps,
         collisions: outcome.collisions,
         clusters: ClusterCounts {
@@ -40,6 +31,15 @@ pub fn run_result(outcome: &Outcome) -> RunResult {
         bytes: outcome.bytes,
         state_sha256: outcome.state_sha256.clone(),
     }
+}
+
+/// Counts inside the reachable squares as shares of these.
+fn fractions(inside: [u32; STEPS.len()], reachable: u32) -> Fractions {
+    let [p1, p2, p5, p10] = inside.map(|count| match reachable {
+        0 => 0.0,
+        _ => f64::from(count) / f64::from(reachable),
+    });
+    Fractions { p1, p2, p5, p10 }
 }
 
 /// `curve.csv`: one row an epoch.
@@ -68,9 +68,10 @@ pub fn coverage_counts(visits: &[u32]) -> [u32; STEPS.len()] {
     })
 }
 
-/// Entries counted a square, as a document.
-pub fn coverage_json(arena: &Arena, visits: &[u32]) -> Coverage {
+/// Entries counted a square, as a document; `mask` has the reachable squares.
+pub fn coverage_json(arena: &Arena, visits: &[u32], mask: &[bool]) -> Coverage {
     let [p1, p2, p5, p10] = coverage_counts(visits);
+    let reachable = mask.iter().filter(|&&reached| reached).count() as u32;
     Coverage {
         schema: SCHEMA,
         arena: arena.name().to_owned(),
@@ -81,6 +82,8 @@ pub fn coverage_json(arena: &Arena, visits: &[u32]) -> Coverage {
         p2,
         p5,
         p10,
+        reachable,
+        fractions: fractions(counts_within(visits, mask), reachable),
         visits: visits
             .chunks(arena.squares().max(1) as usize)
             .map(<[u32]>::to_vec)

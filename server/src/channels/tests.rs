@@ -317,10 +317,9 @@ const READER: (&str, &str) = (
     "EVSWARM_TEST_READER_ROOT",
 );
 
-/// Not a test: a reader in a process of its own, which outlives the test that kills it only if
-/// that test itself was killed, and then not for long.
+/// Does nothing unless the test below starts it: then it is a reader in a process of its own, which
+/// outlives the test that kills it only if that test itself was killed, and then not for long.
 #[test]
-#[ignore = "started by another test"]
 fn reader_process() {
     let Some(root) = std::env::var_os(READER.1) else {
         return;
@@ -341,7 +340,7 @@ fn reader_process() {
 
 fn start_reader_process(root: &Path) -> Child {
     Command::new(std::env::current_exe().unwrap())
-        .args([READER.0, "--exact", "--ignored", "--nocapture"])
+        .args([READER.0, "--exact", "--nocapture"])
         .env(READER.1, root)
         .stdout(Stdio::null())
         .spawn()

@@ -5,6 +5,7 @@ mod checkpoint;
 mod client;
 mod output;
 mod progress;
+mod reproduce;
 mod run;
 
 use std::ffi::OsString;
@@ -35,6 +36,8 @@ struct Arguments {
 enum Command {
     /// Run one spec and write its results to a directory.
     Run(run::RunArguments),
+    /// Run the thesis's experiments, test its claims and write a report.
+    Reproduce(reproduce::ReproduceArguments),
     /// Start the HTTP service.
     Serve {
         /// Address to listen on.
@@ -120,6 +123,7 @@ fn with_arguments(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 fn dispatch(command: Command) -> Result<(), Failure> {
     match command {
         Command::Run(arguments) => run::run(&arguments),
+        Command::Reproduce(arguments) => reproduce::reproduce(&arguments),
         Command::Serve {
             listen,
             data,

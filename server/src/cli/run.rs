@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, anyhow};
 use signal_hook::consts::{SIGINT, SIGTERM};
-use swarm::run::{Outcome, Phase, RestoreError, Run};
+use swarm::run::{Outcome, Phase, Progress, RestoreError, Run};
 
 use super::checkpoint::{Checkpoint, Spent};
 use super::progress::Meter;
@@ -49,6 +49,8 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
             out.display()
         ));
     }
+    // Refused before anything is written.
+    swarm::run::check_placement(&spec.run_spec()).map_err(|error| wrong(vec![error]))?;
     let checkpoint = Checkpoint::open(out, spec.key())?;
     // Another process may have finished between the look above and the lock.
     if already_complete(out, &spec)? {
@@ -129,7 +131,7 @@ pub(super) fn read(path: &Path) -> anyhow::Result<String> {
 ///
 /// # Errors
 /// It holds something else.
-fn already_complete(out: &Path, spec: &ResolvedRun) -> anyhow::Result<bool> {
+pub(super) fn already_complete(out: &Path, spec: &ResolvedRun) -> anyhow::Result<bool> {
     match artifacts::is_complete(out) {
         Some(written) if written == spec.canonical_json() => Ok(true),
         Some(_) => Err(anyhow!(
@@ -153,7 +155,7 @@ fn already_complete(out: &Path, spec: &ResolvedRun) -> anyhow::Result<bool> {
 }
 
 /// Set by the first signal to stop; a second one ends the process at once.
-fn stop_flag() -> anyhow::Result<Arc<AtomicBool>> {
+pub(super) fn stop_flag() -> anyhow::Result<Arc<AtomicBool>> {
     let stop = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM] {
         let failed = i32::from(super::EXIT_FAILED);
@@ -166,7 +168,7 @@ fn stop_flag() -> anyhow::Result<Arc<AtomicBool>> {
 }
 
 /// The run from its checkpoint, or from the beginning.
-fn start(spec: &ResolvedRun, checkpoint: &Checkpoint) -> Result<(Run, Spent), Failure> {
+pub(super) fn start(spec: &ResolvedRun, checkpoint: &Checkpoint) -> Result<(Run, Spent), Failure> {
     if let Some(saved) = checkpoint.load() {
         match Run::restore(spec.run_spec(), &saved.snapshot) {
             Ok(run) => {
@@ -201,6 +203,50 @@ fn open_frames(spec: &ResolvedRun) -> Option<FramePublisher> {
     Some(frames)
 }
 
+/// How many steps to take at once and when to save, by the clock; no result depends on it.
+pub(super) struct Pace {
+    block_steps: u64,
+    saved_at: Instant,
+    save_every: Duration,
+}
+
+impl Pace {
+    pub(super) fn new() -> Self {
+        Self {
+            block_steps: 100,
+            saved_at: Instant::now(),
+            save_every: CHECKPOINT_EVERY,
+        }
+    }
+
+    /// Steps the run on for about [`BLOCK`].
+    pub(super) fn advance(&mut self, run: &mut Run) -> Progress {
+        let began = Instant::now();
+        let progress = run.advance(self.block_steps);
+        let pace = BLOCK.as_secs_f64() / began.elapsed().as_secs_f64().max(1e-9);
+        self.block_steps = ((self.block_steps as f64 * pace.clamp(0.25, 4.0)) as u64).max(1);
+        progress
+    }
+
+    /// Makes a checkpoint if the last one is old enough; one that cannot be made is a warning.
+    pub(super) fn save_if_due(
+        &mut self,
+        checkpoint: &Checkpoint,
+        run: &Run,
+        spent: impl FnOnce() -> Spent,
+    ) {
+        if self.saved_at.elapsed() < self.save_every {
+            return;
+        }
+        let began = Instant::now();
+        if let Err(error) = checkpoint.save(&run.snapshot(), spent()) {
+            tracing::warn!("no checkpoint: {error:#}");
+        }
+        self.save_every = CHECKPOINT_EVERY.max(began.elapsed() * CHECKPOINT_SHARE);
+        self.saved_at = Instant::now();
+    }
+}
+
 /// Steps the run to its end; `None` when stopped on the way, with a checkpoint made.
 fn finish(
     work: &mut Work,
@@ -214,9 +260,7 @@ fn finish(
         progress.robot_steps_total,
         progress.robot_steps_done,
     );
-    let mut block_steps = 100;
-    let mut saved_at = Instant::now();
-    let mut save_every = CHECKPOINT_EVERY;
+    let mut pace = Pace::new();
     let outcome = loop {
         if stop.load(Ordering::SeqCst) {
             meter.finish();
@@ -226,10 +270,7 @@ fn finish(
             checkpoint.save(&work.run.snapshot(), work.spent())?;
             return Ok(None);
         }
-        let began = Instant::now();
-        let progress = work.run.advance(block_steps);
-        let pace = BLOCK.as_secs_f64() / began.elapsed().as_secs_f64().max(1e-9);
-        block_steps = ((block_steps as f64 * pace.clamp(0.25, 4.0)) as u64).max(1);
+        let progress = pace.advance(&mut work.run);
         let what = format!(
             "{} {}/{}",
             progress.phase.name(),
@@ -246,14 +287,7 @@ fn finish(
             }
             break work.run.outcome();
         }
-        if saved_at.elapsed() >= save_every {
-            let began = Instant::now();
-            if let Err(error) = checkpoint.save(&work.run.snapshot(), work.spent()) {
-                tracing::warn!("no checkpoint: {error:#}");
-            }
-            save_every = CHECKPOINT_EVERY.max(began.elapsed() * CHECKPOINT_SHARE);
-            saved_at = Instant::now();
-        }
+        pace.save_if_due(checkpoint, &work.run, || work.spent());
     };
     meter.finish();
     outcome

@@ -63,7 +63,8 @@ pub async fn visits_as_json(
 ) -> Result<Response, Refusal> {
     show(app, id, headers, JSON, |app, run, coverage| {
         let grid = Grid::new(app, run, &coverage.visits)?;
-        json(&coverage_json(grid.spec.arena(), &grid.counts))
+        let mask = grid.mask(app).unwrap_or_default();
+        json(&coverage_json(grid.spec.arena(), &grid.counts, &mask))
     })
     .await
 }

@@ -20,8 +20,8 @@ use super::refusal::Refusal;
 
 /// Requests answered at a time.
 const MAX_CONCURRENT: usize = 128;
-/// Longest time for an answer.
-const TIMEOUT: Duration = Duration::from_secs(60);
+/// Longest time for an answer, and for the body of a job.
+pub const TIMEOUT: Duration = Duration::from_secs(60);
 /// Routes that tell nothing of jobs, for which no token is needed.
 const OPEN: [&str; 6] = [
     "/",
@@ -85,6 +85,8 @@ pub async fn guard(State(gate): State<Gate>, request: Request, next: Next) -> Re
         Err(refusal) => refusal.into_response(),
         Ok(()) => match gate.places.try_acquire() {
             Err(_) => overloaded("too many requests at a time").into_response(),
+            // Once its body is there a job is stored however long that takes, so its id is told.
+            Ok(_place) if is_submission(&request) => as_problem(next.run(request).await),
             Ok(_place) => match tokio::time::timeout(TIMEOUT, next.run(request)).await {
                 Ok(response) => as_problem(response),
                 Err(_) => overloaded("the answer took too long").into_response(),
@@ -101,6 +103,10 @@ pub async fn guard(State(gate): State<Gate>, request: Request, next: Next) -> Re
         HeaderValue::from_static("nosniff"),
     );
     response
+}
+
+fn is_submission(request: &Request) -> bool {
+    request.method() == Method::POST && request.uri().path() == "/v1/jobs"
 }
 
 fn overloaded(detail: &str) -> Refusal {

@@ -3,32 +3,42 @@
 use api::{JobPage, RunPage};
 use axum::Json;
 use axum::body::Bytes;
-use axum::extract::rejection::BytesRejection;
-use axum::extract::{Path, State};
+use axum::extract::{FromRequest, Path, Request, State};
 use axum::http::header::LOCATION;
-use axum::http::{HeaderMap, StatusCode, Uri};
+use axum::http::{StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
 
+use super::guard::TIMEOUT;
 use super::refusal::Refusal;
 use super::request::{idempotency_key, json_body, page, parse};
 use super::{App, views};
 use crate::scheduler::{StoredArenas, new_job};
-use crate::spec::expand;
-use crate::store::{Created, Intent, JobSeq, JobView};
+use crate::spec::{expand, run_count};
+use crate::store::{Created, Intent, JobRequest, JobSeq, JobView};
 
 /// `POST /v1/jobs`.
-pub async fn create(
-    State(app): State<App>,
-    headers: HeaderMap,
-    body: Result<Bytes, BytesRejection>,
-) -> Result<Response, Refusal> {
+pub async fn create(State(app): State<App>, request: Request) -> Result<Response, Refusal> {
+    let headers = request.headers().clone();
     let idempotency_key = idempotency_key(&headers)?;
+    let body = tokio::time::timeout(TIMEOUT, Bytes::from_request(request, &()))
+        .await
+        .map_err(|_| Refusal::new(StatusCode::REQUEST_TIMEOUT, "the body took too long"))?;
     let body = json_body(&headers, body)?;
     app.blocking(move |app| {
         let arenas = StoredArenas::new(&app.store);
-        let expanded = expand(&parse(&body)?, &arenas).map_err(Refusal::fields)?;
-        let job = new_job(expanded, &body, idempotency_key);
-        let (Created::New(seq, _) | Created::Replayed(seq)) = app.scheduler.submit(&job)?;
+        let document = parse(&body)?;
+        let request = JobRequest::new(&body, idempotency_key);
+        // A job for which there is no room, or that is stored already, need not be expanded.
+        let earlier = app.scheduler.admit(&request, run_count(&document))?;
+        let seq = match earlier {
+            Some(seq) => seq,
+            None => {
+                let expanded = expand(&document, &arenas).map_err(Refusal::fields)?;
+                let (Created::New(seq, _) | Created::Replayed(seq)) =
+                    app.scheduler.submit(&new_job(expanded, request))?;
+                seq
+            }
+        };
         let shown = views::job(&found(app, seq)?, &app.scheduler);
         let location = [(LOCATION, format!("/v1/jobs/{seq}"))];
         Ok((StatusCode::CREATED, location, Json(shown)).into_response())

@@ -69,6 +69,7 @@ pub fn run(view: &RunView, scheduler: &Scheduler) -> RunSummary {
         seed: view.seed,
         arena: view.arena.clone(),
         method: view.method.clone(),
+        label: view.label.clone(),
         state: view.state.state(),
         progress,
         result: view.result.clone(),

@@ -21,8 +21,8 @@ use std::time::Duration;
 
 use crate::channels::ChannelSettings;
 use crate::store::{
-    ClaimedRun, CreateJobError, Created, Intent, JobSeq, NewJob, RunSeq, StoppedRun, Store,
-    StoreError,
+    ClaimedRun, CreateJobError, Created, Intent, JobRequest, JobSeq, NewJob, RunSeq, StoppedRun,
+    Store, StoreError,
 };
 pub use arenas::StoredArenas;
 use attempt::Ended;
@@ -100,6 +100,15 @@ impl Scheduler {
             scheduler.workers().push(worker);
         }
         Ok(scheduler)
+    }
+
+    /// Whether a job of so many runs would be taken; see [`Store::admit`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn admit(&self, request: &JobRequest, runs: u64) -> Result<Option<JobSeq>, CreateJobError> {
+        let limit = self.shared.config.unfinished_limit;
+        self.shared.store.admit(request, runs, limit)
     }
 
     /// Stores a job and queues its runs; see [`Store::create_job`].

@@ -1,33 +1,33 @@
 //! From an expanded job to what the store keeps of it.
 
 use api::ArenaRef;
-use sha2::{Digest, Sha256};
 
 use crate::spec::{ArenaSource, BuiltinArenas, ExpandedJob, ResolvedRun};
-use crate::store::{NewJob, NewRun};
+use crate::store::{JobRequest, NewJob, NewRun};
 
-/// The job with its runs; `body` is the request that it came in.
-pub fn new_job(job: ExpandedJob, body: &[u8], idempotency_key: Option<String>) -> NewJob {
-    let digest = Sha256::digest(body);
+/// The job with its runs, and the request that it came in.
+pub fn new_job(job: ExpandedJob, request: JobRequest) -> NewJob {
+    let runs = job.runs.iter().enumerate();
     NewJob {
-        runs: job.runs.iter().map(new_run).collect(),
+        runs: runs
+            .map(|(place, run)| new_run(run, job.label(place)))
+            .collect(),
         name: job.name,
-        request_sha256: digest.iter().map(|byte| format!("{byte:02x}")).collect(),
-        idempotency_key,
+        request,
     }
 }
 
-fn new_run(run: &ResolvedRun) -> NewRun {
-    let spec = run.run_spec();
+fn new_run(run: &ResolvedRun, label: &str) -> NewRun {
     NewRun {
         id: run.key(),
         spec: run.canonical_json(),
         seed: run.seed(),
         arena: run.arena().name().to_owned(),
         method: run.method().name().to_owned(),
-        epochs_total: spec.epochs,
-        robot_steps_total: spec.robot_steps(),
-        uploaded_arenas: uploaded_arenas(&run.canonical()),
+        epochs_total: run.epochs(),
+        robot_steps_total: run.robot_steps(),
+        uploaded_arenas: uploaded_arenas(run.shown()),
+        label: label.to_owned(),
     }
 }
 

@@ -10,6 +10,7 @@ use swarm::run::Run;
 
 use super::*;
 use crate::spec::{BuiltinArenas, ResolvedRun, expand};
+use crate::store::JobRequest;
 
 const PATIENCE: Duration = Duration::from_secs(120);
 
@@ -41,7 +42,10 @@ fn runs(job: &Value) -> Vec<ResolvedRun> {
 
 fn submit(scheduler: &Scheduler, job: &Value) -> JobSeq {
     let expanded = expand(job, &BuiltinArenas).unwrap();
-    match scheduler.submit(&new_job(expanded, b"", None)).unwrap() {
+    match scheduler
+        .submit(&new_job(expanded, JobRequest::new(b"", None)))
+        .unwrap()
+    {
         Created::New(job, _) | Created::Replayed(job) => job,
     }
 }
@@ -176,7 +180,10 @@ fn a_cancelled_job_stops_and_leaves_nothing_behind() {
 fn a_spec_that_cannot_be_run_fails_alone() {
     let dir = tempfile::tempdir().unwrap();
     let (store, scheduler) = start(dir.path(), 1);
-    let mut broken = new_job(expand(&job(1, 1), &BuiltinArenas).unwrap(), b"", None);
+    let mut broken = new_job(
+        expand(&job(1, 1), &BuiltinArenas).unwrap(),
+        JobRequest::new(b"", None),
+    );
     broken.runs[0].id = "broken".to_owned();
     broken.runs[0].spec = "{\"arena\": \"nowhere\"}".to_owned();
     scheduler.submit(&broken).unwrap();

@@ -8,7 +8,9 @@ use serde_json::{Map, Value};
 
 use super::arena::{ArenaSource, Arenas};
 use super::fields::{Errors, Object, did_you_mean, join, kind};
+use super::labels::labels;
 use super::matrix::{Axis, axes, combination, place_of};
+use super::placement::misfits;
 use super::resolve::{MAX_SEED, resolve_with};
 use super::resolved::ResolvedRun;
 use super::templates::templates;
@@ -32,6 +34,40 @@ pub struct ExpandedJob {
     /// Its runs, no two with the same key: combinations in order of the axes' names with the last
     /// axis fastest, and within each the seeds as given.
     pub runs: Vec<ResolvedRun>,
+    /// One for each combination.
+    labels: Vec<String>,
+}
+
+impl ExpandedJob {
+    /// What of the matrix the run at `place` of `runs` has, in words; empty when nothing varies.
+    pub fn label(&self, place: usize) -> &str {
+        let seeds = self.runs.len() / self.labels.len().max(1);
+        self.labels
+            .get(place / seeds.max(1))
+            .map_or("", String::as_str)
+    }
+}
+
+/// How many runs a job has, without making them: 0 for one that is wrong or has too many.
+pub fn run_count(job: &Value) -> u64 {
+    let mut errors = Errors::default();
+    let job = with_template(job, &mut errors);
+    let count = Object::open(&job, "", FIELDS, &mut errors).and_then(|object| {
+        let empty = Value::Object(Map::new());
+        let base = object.get("base").unwrap_or(&empty);
+        let seeds = seeds(&object, base, &mut errors)?;
+        let axes = axes(object.get("matrix").unwrap_or(&empty), &mut errors)?;
+        combinations(&axes)?.checked_mul(seeds.len())
+    });
+    count
+        .filter(|&count| errors.is_empty() && count <= MAX_RUNS)
+        .map_or(0, |count| count as u64)
+}
+
+fn combinations(axes: &[Axis<'_>]) -> Option<usize> {
+    axes.iter().try_fold(1usize, |product, axis| {
+        product.checked_mul(axis.values.len())
+    })
 }
 
 /// Checks a job and makes its runs. Takes up to some seconds for the largest jobs.
@@ -93,9 +129,7 @@ fn read(job: &Value, arenas: &dyn ArenaSource, errors: &mut Errors) -> Option<Ex
     let seeds = seeds(&object, base, errors);
     let axes = axes(object.get("matrix").unwrap_or(&empty), errors);
     let (seeds, axes) = (seeds?, axes?);
-    let combinations = axes.iter().try_fold(1usize, |product, axis| {
-        product.checked_mul(axis.values.len())
-    });
+    let combinations = combinations(&axes);
     let total = combinations.and_then(|number| number.checked_mul(seeds.len()));
     let Some(combinations) = combinations.filter(|_| total.is_some_and(|total| total <= MAX_RUNS))
     else {
@@ -114,11 +148,27 @@ fn read(job: &Value, arenas: &dyn ArenaSource, errors: &mut Errors) -> Option<Ex
         return None;
     }
     let distinct = resolve_all(base, &axes, combinations, &mut Arenas::new(arenas), errors)?;
+    let misfits = misfits(&distinct, seeds[0]);
+    if !misfits.is_empty() {
+        // A field of the base run is wrong once, however many combinations have it.
+        let mut seen = BTreeSet::new();
+        errors.extend(
+            misfits
+                .into_iter()
+                .map(|(place, error)| in_job(error, &axes, place))
+                .filter(|error| seen.insert((error.pointer.clone(), error.message.clone()))),
+        );
+        return None;
+    }
     let runs = distinct
         .iter()
         .flat_map(|run| seeds.iter().map(|seed| run.with_seed(*seed)))
         .collect();
-    Some(ExpandedJob { name, runs })
+    Some(ExpandedJob {
+        name,
+        runs,
+        labels: labels(&axes, combinations),
+    })
 }
 
 /// Bytes of a value as text.

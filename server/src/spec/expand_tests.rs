@@ -180,6 +180,69 @@ fn a_long_arena_in_many_combinations_is_refused_at_once() {
 }
 
 #[test]
+fn robots_that_do_not_fit_are_told_with_the_most_that_do() {
+    let job = |robots: &[u32], placement: &str| {
+        json!({
+            "base": {
+                "arena": two_rooms(), "placement": placement,
+                "controller": { "method": "brownian" }
+            },
+            "matrix": { "robots": robots, "epochs": [3, 4] }, "seeds": [7, 8]
+        })
+    };
+    for placement in ["grid", "random"] {
+        let errors = expand(&job(&[2, 9_000, 8_000], placement), &BuiltinArenas).unwrap_err();
+        let pointers: Vec<&str> = errors.iter().map(|error| error.pointer.as_str()).collect();
+        assert_eq!(pointers, ["/matrix/robots/1", "/matrix/robots/2"]);
+        assert!(errors[0].message.contains("9000 robots do not fit"));
+        let words: Vec<&str> = errors[0].allowed.split(' ').collect();
+        let most: u32 = words[2].parse().unwrap();
+        assert_eq!(words[..2], ["at", "most"]);
+        assert!((10..100).contains(&most), "{errors:?}");
+        assert!(expand(&job(&[2, most], placement), &BuiltinArenas).is_ok());
+        assert!(expand(&job(&[2, most + 1], placement), &BuiltinArenas).is_err());
+    }
+    let trained = json!({ "base": {
+        "robots": 60, "placement": "grid",
+        "controller": { "method": "ev-iter-c", "train": { "arena": two_rooms(), "epochs": 2 } }
+    }});
+    check_job(trained, "/base/robots", "(training arena)");
+}
+
+#[test]
+fn runs_are_counted_without_making_them() {
+    let count = |job: Value| run_count(&job);
+    assert_eq!(count(json!({})), 1);
+    let matrix = json!({ "epochs": [1, 2, 3], "controller.alpha": [0.5, 7] });
+    let seeds = json!({ "first": 1, "count": 5 });
+    assert_eq!(count(json!({ "matrix": matrix, "seeds": seeds })), 30);
+    assert_eq!(count(json!({ "template": "chapter-5" })), 450);
+    assert_eq!(count(json!({ "matrix": { "epochs": [] } })), 0);
+    assert_eq!(count(json!({ "seeds": { "count": 100_001 } })), 0);
+}
+
+#[test]
+fn a_run_is_labelled_with_what_varies() {
+    let job = json!({
+        "matrix": { "controller.alpha": [0.5, 0.7], "arena": ["maze"] }, "seeds": [4, 5]
+    });
+    let expanded = expand(&job, &BuiltinArenas).unwrap();
+    let labels: Vec<&str> = (0..4).map(|place| expanded.label(place)).collect();
+    assert_eq!(labels, ["alpha 0.5", "alpha 0.5", "alpha 0.7", "alpha 0.7"]);
+    for run in &expanded.runs {
+        let text = run.canonical_json();
+        let spec: api::RunSpec = serde_json::from_str(&text).unwrap();
+        assert_eq!(spec, run.canonical());
+        assert_eq!(
+            text,
+            serde_json::to_string_pretty(&spec).unwrap() + "\n",
+            "seeds are put into a text that is made once"
+        );
+    }
+    assert_eq!(expand(&json!({}), &BuiltinArenas).unwrap().label(0), "");
+}
+
+#[test]
 fn a_combination_that_does_not_go_together_is_named() {
     let job = json!({
         "base": { "controller": { "train": { "epochs": 3 } } },

@@ -20,6 +20,8 @@ struct Common {
     digest: [u8; 32],
     run: RunSpec,
     shown: api::RunSpec,
+    /// The canonical text, but for the line with the seed.
+    text: String,
     channels: bool,
 }
 
@@ -27,13 +29,15 @@ impl ResolvedRun {
     pub(super) fn new(run: RunSpec, mut shown: api::RunSpec, channels: bool) -> Self {
         let seed = run.seed;
         shown.seed = None;
-        let digest = digest(&run, &shown);
+        let text = text(&shown);
+        let digest = digest(&run, &text);
         Self {
             seed,
             common: Arc::new(Common {
                 digest,
                 run,
                 shown,
+                text,
                 channels,
             }),
         }
@@ -56,6 +60,21 @@ impl ResolvedRun {
     /// The seed.
     pub fn seed(&self) -> u64 {
         self.seed
+    }
+
+    /// What the simulation runs, with a seed that is not to be used.
+    pub(super) fn common_spec(&self) -> &RunSpec {
+        &self.common.run
+    }
+
+    /// Counted epochs.
+    pub fn epochs(&self) -> u32 {
+        self.common.run.epochs
+    }
+
+    /// Robot-steps in all, as far as that is known before the run starts.
+    pub fn robot_steps(&self) -> u64 {
+        self.common.run.robot_steps()
     }
 
     /// What the simulation runs.
@@ -86,6 +105,11 @@ impl ResolvedRun {
         self.common.channels
     }
 
+    /// The spec with every field present but the seed.
+    pub fn shown(&self) -> &api::RunSpec {
+        &self.common.shown
+    }
+
     /// The spec with every field present. Resolving it again gives an equal run.
     pub fn canonical(&self) -> api::RunSpec {
         api::RunSpec {
@@ -96,7 +120,14 @@ impl ResolvedRun {
 
     /// [`Self::canonical`] as the text of `spec.json`: equal runs give equal text.
     pub fn canonical_json(&self) -> String {
-        text(&self.canonical())
+        // The seed is the second field: it follows the brace and the line with `schema`.
+        let text = &self.common.text;
+        let place = text
+            .match_indices('\n')
+            .nth(1)
+            .map_or(0, |(end, _)| end + 1);
+        let (before, after) = text.split_at(place);
+        format!("{before}  \"seed\": {},\n{after}", self.seed)
     }
 
     /// The run's id: SHA-256, in hex, over the seed and the SHA-256 of the rest of the canonical
@@ -120,12 +151,12 @@ fn text(spec: &api::RunSpec) -> String {
     text
 }
 
-/// SHA-256 over the program's version, a spec and the contents of its arenas.
-fn digest(run: &RunSpec, shown: &api::RunSpec) -> [u8; 32] {
+/// SHA-256 over the program's version, the text of a spec and the contents of its arenas.
+fn digest(run: &RunSpec, text: &str) -> [u8; 32] {
     let training = run.controller.training.as_ref();
     let parts = [
         env!("CARGO_PKG_VERSION").as_bytes().to_vec(),
-        text(shown).into_bytes(),
+        text.as_bytes().to_vec(),
         run.arena.content_key(),
         training
             .map(|training| training.arena.content_key())

@@ -2,6 +2,7 @@
 
 use api::{RunCounts, State};
 use rusqlite::{Connection, OptionalExtension, Row, params};
+use sha2::{Digest, Sha256};
 
 use super::runs::{RunSeq, StoppedRun, settle};
 use super::state::Intent;
@@ -29,6 +30,28 @@ pub struct NewRun {
     pub robot_steps_total: u64,
     /// Names of the uploaded arenas that it uses.
     pub uploaded_arenas: Vec<String>,
+    /// What of the job's matrix it has, in words.
+    pub label: String,
+}
+
+/// What tells a request for a job from others.
+#[derive(Clone, Debug)]
+pub struct JobRequest {
+    /// SHA-256 of the request's body, in hex.
+    pub sha256: String,
+    /// The header `Idempotency-Key`, which makes a repeated request harmless.
+    pub idempotency_key: Option<String>,
+}
+
+impl JobRequest {
+    /// A request with this body.
+    pub fn new(body: &[u8], idempotency_key: Option<String>) -> Self {
+        let digest = Sha256::digest(body);
+        Self {
+            sha256: digest.iter().map(|byte| format!("{byte:02x}")).collect(),
+            idempotency_key,
+        }
+    }
 }
 
 /// A job to be stored.
@@ -36,10 +59,8 @@ pub struct NewRun {
 pub struct NewJob {
     /// Text given by who posted it.
     pub name: String,
-    /// SHA-256 of the request's body, in hex.
-    pub request_sha256: String,
-    /// The header `Idempotency-Key`, which makes a repeated request harmless.
-    pub idempotency_key: Option<String>,
+    /// The request that asked for it.
+    pub request: JobRequest,
     /// Its runs in order; one that is stored already is shared.
     pub runs: Vec<NewRun>,
 }
@@ -131,30 +152,8 @@ impl Store {
     pub fn create_job(&self, job: &NewJob, limit: u64) -> Result<Created, CreateJobError> {
         let mut connection = self.connection();
         let transaction = connection.transaction()?;
-        if let Some(key) = &job.idempotency_key {
-            let earlier: Option<(JobSeq, String)> = transaction
-                .prepare_cached("SELECT seq, request_sha256 FROM jobs WHERE idempotency_key = ?1")?
-                .query_row([key], |row| Ok((row.get(0)?, row.get(1)?)))
-                .optional()?;
-            match earlier {
-                Some((seq, digest)) if digest == job.request_sha256 => {
-                    return Ok(Created::Replayed(seq));
-                }
-                Some(_) => return Err(CreateJobError::KeyReused),
-                None => {}
-            }
-        }
-        let unfinished = from_sql(transaction.query_row(
-            "SELECT count(*) FROM runs WHERE state IN ('queued', 'running', 'paused')",
-            [],
-            |row| row.get(0),
-        )?);
-        let runs = job.runs.len() as u64;
-        if runs > limit {
-            return Err(CreateJobError::TooLarge { runs, limit });
-        }
-        if unfinished + runs > limit {
-            return Err(CreateJobError::QueueFull { unfinished, limit });
+        if let Some(seq) = admit(&transaction, &job.request, job.runs.len() as u64, limit)? {
+            return Ok(Created::Replayed(seq));
         }
         let seq: JobSeq = transaction
             .prepare_cached(
@@ -162,7 +161,7 @@ impl Store {
                  VALUES (?1, ?2, ?3) RETURNING seq",
             )?
             .query_row(
-                params![job.name, job.request_sha256, job.idempotency_key],
+                params![job.name, job.request.sha256, job.request.idempotency_key],
                 |row| row.get(0),
             )?;
         let mut waiting = Vec::new();
@@ -172,11 +171,27 @@ impl Store {
                 waiting.push(run_seq);
             }
             transaction
-                .prepare_cached("INSERT INTO job_runs (job, ordinal, run) VALUES (?1, ?2, ?3)")?
-                .execute(params![seq, to_sql(ordinal as u64), run_seq])?;
+                .prepare_cached(
+                    "INSERT INTO job_runs (job, ordinal, run, label) VALUES (?1, ?2, ?3, ?4)",
+                )?
+                .execute(params![seq, to_sql(ordinal as u64), run_seq, run.label])?;
         }
         transaction.commit()?;
         Ok(Created::New(seq, waiting))
+    }
+
+    /// Whether [`Self::create_job`] would take a job of so many runs right now. Returns the job
+    /// that the same request made before, if it did.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn admit(
+        &self,
+        request: &JobRequest,
+        runs: u64,
+        limit: u64,
+    ) -> Result<Option<JobSeq>, CreateJobError> {
+        admit(&self.connection(), request, runs, limit)
     }
 
     /// A job; `None` when there is none of this key.
@@ -254,6 +269,37 @@ impl Store {
         changed.extend(alone);
         Ok(changed)
     }
+}
+
+fn admit(
+    connection: &Connection,
+    request: &JobRequest,
+    runs: u64,
+    limit: u64,
+) -> Result<Option<JobSeq>, CreateJobError> {
+    if let Some(key) = &request.idempotency_key {
+        let earlier: Option<(JobSeq, String)> = connection
+            .prepare_cached("SELECT seq, request_sha256 FROM jobs WHERE idempotency_key = ?1")?
+            .query_row([key], |row| Ok((row.get(0)?, row.get(1)?)))
+            .optional()?;
+        match earlier {
+            Some((seq, digest)) if digest == request.sha256 => return Ok(Some(seq)),
+            Some(_) => return Err(CreateJobError::KeyReused),
+            None => {}
+        }
+    }
+    let unfinished = from_sql(connection.query_row(
+        "SELECT count(*) FROM runs WHERE state IN ('queued', 'running', 'paused')",
+        [],
+        |row| row.get(0),
+    )?);
+    if runs > limit {
+        return Err(CreateJobError::TooLarge { runs, limit });
+    }
+    if unfinished + runs > limit {
+        return Err(CreateJobError::QueueFull { unfinished, limit });
+    }
+    Ok(None)
 }
 
 /// Stores a run or finds it; returns its key and whether it waits for a worker.

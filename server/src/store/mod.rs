@@ -19,7 +19,7 @@ use rusqlite::Connection;
 
 pub use arenas::{ArenaDeletion, SaveArenaError, StoredArena};
 pub use checkpoints::{Checkpoint, CheckpointError, Checkpoints};
-pub use jobs::{CreateJobError, Created, JobSeq, JobView, NewJob, NewRun, RunningRun};
+pub use jobs::{CreateJobError, Created, JobRequest, JobSeq, JobView, NewJob, NewRun, RunningRun};
 pub use results::{Coverage, Finished};
 pub use runs::{ClaimedRun, RunSeq, RunView, StoppedRun};
 pub use state::{Intent, Position, RunState};
@@ -83,6 +83,9 @@ impl StoreError {
     }
 }
 
+/// Most memory for pages of the database, KiB: the largest job's index of runs fits.
+const CACHE_KIB: i64 = 64 << 10;
+
 /// The open data directory; at most one process at a time holds it.
 pub struct Store {
     connection: Mutex<Connection>,
@@ -103,6 +106,7 @@ impl Store {
         connection.pragma_update(None, "journal_mode", "WAL")?;
         connection.pragma_update(None, "synchronous", "FULL")?;
         connection.pragma_update(None, "foreign_keys", "ON")?;
+        connection.pragma_update(None, "cache_size", -CACHE_KIB)?;
         connection.busy_timeout(Duration::from_secs(10))?;
         connection.set_prepared_statement_cache_capacity(64);
         migrations::migrations::runner().run(&mut connection)?;

@@ -46,6 +46,8 @@ pub struct RunView {
     pub arena: String,
     /// Name of the method.
     pub method: String,
+    /// What of the job's matrix it has, in words.
+    pub label: String,
     /// Where it is in its life.
     pub state: RunState,
     /// Counted epochs in all.
@@ -57,7 +59,7 @@ pub struct RunView {
 }
 
 const VIEW: &str = "SELECT runs.seq, id, job, ordinal, seed, arena, method, state, phase,
-        epochs_done, robot_steps_done, reason, epochs_total, robot_steps_total, result
+        epochs_done, robot_steps_done, reason, epochs_total, robot_steps_total, result, label
     FROM job_runs JOIN runs ON runs.seq = job_runs.run
     LEFT JOIN results ON results.run = runs.seq";
 
@@ -282,6 +284,7 @@ fn view(row: &Row<'_>) -> Result<RunView, StoreError> {
         seed: from_sql(row.get("seed")?),
         arena: row.get("arena")?,
         method: row.get("method")?,
+        label: row.get("label")?,
         state: RunState::from_columns(&state, position, row.get("reason")?)?,
         epochs_total: row.get("epochs_total")?,
         robot_steps_total: from_sql(row.get("robot_steps_total")?),

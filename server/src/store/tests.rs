@@ -17,14 +17,14 @@ fn new_run(id: &str) -> NewRun {
         epochs_total: 10,
         robot_steps_total: 1_000,
         uploaded_arenas: Vec::new(),
+        label: format!("of {id}"),
     }
 }
 
 fn new_job(ids: &[&str]) -> NewJob {
     NewJob {
         name: "a job".to_owned(),
-        request_sha256: ids.concat(),
-        idempotency_key: None,
+        request: JobRequest::new(ids.concat().as_bytes(), None),
         runs: ids.iter().map(|id| new_run(id)).collect(),
     }
 }
@@ -158,7 +158,7 @@ fn a_repeated_request_is_answered_with_the_first_job() {
     let dir = tempfile::tempdir().unwrap();
     let store = open(dir.path());
     let keyed = NewJob {
-        idempotency_key: Some("key".to_owned()),
+        request: JobRequest::new(b"a", Some("key".to_owned())),
         ..new_job(&["a"])
     };
     let Created::New(first, _) = store.create_job(&keyed, 1_000).unwrap() else {
@@ -168,8 +168,10 @@ fn a_repeated_request_is_answered_with_the_first_job() {
         store.create_job(&keyed, 1_000).unwrap(),
         Created::Replayed(first)
     );
+    // Also where there is no room for another job.
+    assert_eq!(store.admit(&keyed.request, 1, 0).unwrap(), Some(first));
     let other = NewJob {
-        idempotency_key: Some("key".to_owned()),
+        request: JobRequest::new(b"b", Some("key".to_owned())),
         ..new_job(&["b"])
     };
     assert!(matches!(
@@ -194,6 +196,10 @@ fn a_full_queue_stores_nothing() {
         })
     ));
     assert!(store.run("c").unwrap().is_none());
+    let request = JobRequest::new(b"c", None);
+    let refused = store.admit(&request, 2, 3);
+    assert!(matches!(refused, Err(CreateJobError::QueueFull { .. })));
+    assert!(store.admit(&request, 1, 3).unwrap().is_none());
     assert!(store.create_job(&new_job(&["c"]), 3).is_ok());
 }
 

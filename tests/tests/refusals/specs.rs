@@ -206,6 +206,26 @@ pub fn wrong_specs() -> Vec<Wrong> {
             "1 start poses for 5 robots",
         ),
         (
+            "more robots than fit under the placement `grid` or `random`",
+            "",
+            json!({
+                "seed": 1, "arena": "easy", "controller": { "method": "brownian" },
+                "epochs": 3, "robots": 5_000, "placement": "grid"
+            }),
+            "/robots",
+            "5000 robots do not fit",
+        ),
+        (
+            "more robots than fit under the placement `grid` or `random`",
+            "",
+            json!({
+                "seed": 1, "arena": "easy", "controller": { "method": "brownian" },
+                "epochs": 3, "robots": 5_000, "placement": "random"
+            }),
+            "/robots",
+            "5000 robots do not fit",
+        ),
+        (
             "a robot that moves too far in a step for its size",
             "/robot/body_radius_m",
             json!(0.005),

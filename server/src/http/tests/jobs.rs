@@ -289,3 +289,15 @@ async fn arenas_come_and_go() {
     assert_problem(&service.ask("DELETE", "/v1/arenas/two-rooms").await, 404);
     assert_problem(&service.ask("DELETE", "/v1/arenas/maze").await, 409);
 }
+
+#[tokio::test]
+async fn runs_are_told_with_what_varies_between_them() {
+    let service = Service::start(None);
+    let mut sweep = job(1, 2);
+    sweep["matrix"] = json!({ "steps_per_epoch": [20, 30] });
+    let path = service.job(&sweep).await;
+    let runs = service.runs(&path).await;
+    let labels: Vec<&Value> = runs.iter().map(|run| &run["label"]).collect();
+    let [few, many] = ["steps_per_epoch 20", "steps_per_epoch 30"];
+    assert_eq!(labels, [few, few, many, many]);
+}

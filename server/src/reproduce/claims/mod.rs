@@ -1,0 +1,86 @@
+//! The claims of the thesis against the runs: tests, corrections and verdicts.
+
+mod table;
+mod verdict;
+
+use serde::Serialize;
+
+use super::plan::Settings;
+use super::results::Findings;
+
+pub use verdict::{ALPHA, Verdict};
+
+/// `claims.json`.
+#[derive(Debug, Serialize)]
+pub struct Claims {
+    schema: u32,
+    /// Of the program.
+    version: &'static str,
+    /// Level of significance after correction.
+    alpha: f64,
+    correction: &'static str,
+    seeds: u32,
+    epochs: u32,
+    arenas: Vec<String>,
+    /// Tests that were corrected together.
+    pub tests: usize,
+    pub claims: Vec<Claim>,
+}
+
+/// One claim and what came of it.
+#[derive(Debug, Serialize)]
+pub struct Claim {
+    pub claim: u32,
+    pub text: &'static str,
+    /// How it is tested.
+    pub how: String,
+    pub verdict: Verdict,
+    /// Why it is not tested, or what the verdict leaves out.
+    pub reason: Option<String>,
+    pub tests: Vec<Test>,
+}
+
+/// One test of a claim.
+#[derive(Clone, Debug, Serialize)]
+pub struct Test {
+    /// Name of the arena, or of the two that are compared.
+    pub arena: String,
+    pub hypothesis: String,
+    pub test: &'static str,
+    /// Runs in each sample.
+    pub n: Vec<usize>,
+    /// U of the first sample, or runs that meet the condition.
+    pub statistic: f64,
+    /// One-sided; `None` for a bare count.
+    pub p: Option<f64>,
+    /// p after Holm's correction over all tests of the table.
+    pub p_holm: Option<f64>,
+    /// p for the opposite, corrected over all opposites.
+    pub p_opposite_holm: Option<f64>,
+    #[serde(skip)]
+    p_opposite: Option<f64>,
+    /// What `effect` is.
+    pub effect_size: &'static str,
+    pub effect: f64,
+    /// Median of the first sample less that of the second, in `unit`.
+    pub median_difference: Option<f64>,
+    pub unit: Option<&'static str>,
+    pub verdict: Verdict,
+}
+
+/// Puts every claim to the test.
+pub fn judge(settings: &Settings, findings: &Findings, radius_m: f64) -> anyhow::Result<Claims> {
+    let mut claims = table::claims(settings, findings, radius_m)?;
+    let tests = verdict::decide(&mut claims);
+    Ok(Claims {
+        schema: api::SCHEMA,
+        version: env!("CARGO_PKG_VERSION"),
+        alpha: ALPHA,
+        correction: "Holm, over all tests with a p of this file",
+        seeds: settings.seeds,
+        epochs: settings.epochs,
+        arenas: settings.arenas.clone(),
+        tests,
+        claims,
+    })
+}

@@ -1,0 +1,145 @@
+//! The report: four files, a function of the runs' results alone.
+
+use std::io::Write;
+use std::path::Path;
+
+use anyhow::Context;
+use arenas::Arena;
+
+use super::claims::{self, Claims};
+use super::document::{self, Block};
+use super::plan::Plan;
+use super::results::{Finding, Findings};
+use super::{curves, maps, sections};
+use crate::spec::{ArenaSource, BuiltinArenas};
+
+/// Reads every run of the plan and writes `runs.csv`, `claims.json`, `report.md` and `report.html`
+/// into `out`, each as a whole. Equal results give equal bytes. Returns a line for each claim.
+///
+/// # Errors
+/// A run that is missing or cannot be read, a file that cannot be written.
+pub fn write_report(plan: &Plan, out: &Path) -> anyhow::Result<Vec<String>> {
+    let findings = Findings::read(plan, out)?;
+    let radius_m = plan
+        .runs
+        .first()
+        .context("there are no runs")?
+        .spec
+        .body_radius_m();
+    let claims = claims::judge(&plan.settings, &findings, radius_m)?;
+    let blocks = blocks(plan, &findings, &claims, radius_m)?;
+    let mut claims_json = serde_json::to_string_pretty(&claims)?;
+    claims_json.push('\n');
+    for (name, text) in [
+        ("runs.csv", findings.csv()),
+        ("claims.json", claims_json),
+        ("report.md", document::markdown(&blocks)),
+        ("report.html", document::html(&blocks)),
+    ] {
+        replace(&out.join(name), text.as_bytes())?;
+    }
+    let line = |claim: &claims::Claim| {
+        format!(
+            "claim {:>2}: {:<12} {}",
+            claim.claim,
+            claim.verdict.name(),
+            claim.text
+        )
+    };
+    Ok(claims.claims.iter().map(line).collect())
+}
+
+/// Writes a file as a whole or not at all.
+///
+/// # Errors
+/// It cannot be written; the one before stays.
+pub fn replace(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    let parent = path.parent().unwrap_or(Path::new("."));
+    let write = || -> std::io::Result<()> {
+        let mut file = tempfile::Builder::new();
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            file.permissions(std::fs::Permissions::from_mode(0o666));
+        }
+        let mut file = file.tempfile_in(parent)?;
+        file.write_all(bytes)?;
+        file.as_file().sync_all()?;
+        file.persist(path)?;
+        Ok(())
+    };
+    write().with_context(|| format!("cannot write {}", path.display()))
+}
+
+fn blocks(
+    plan: &Plan,
+    findings: &Findings,
+    claims: &Claims,
+    radius_m: f64,
+) -> anyhow::Result<Vec<Block>> {
+    let mut blocks = sections::opening(plan, claims);
+    blocks.extend(sections::verdicts(claims));
+    blocks.extend(sections::coverage(plan, findings));
+    blocks.push(Block::Heading(2, "Curves and maps".to_owned()));
+    for name in &plan.settings.arenas {
+        let arena = BuiltinArenas
+            .arena(name)
+            .with_context(|| format!("there is no arena {name}"))?;
+        blocks.push(curves_of(plan, findings, name));
+        blocks.push(maps_of(plan, findings, &arena, radius_m));
+    }
+    blocks.extend(sections::test_tables(claims));
+    blocks.extend(sections::settings(plan));
+    Ok(blocks)
+}
+
+fn curves_of(plan: &Plan, findings: &Findings, arena: &str) -> Block {
+    let line = |method: &str| curves::Line {
+        method: method.to_owned(),
+        curves: findings
+            .of(arena, method)
+            .map(|run| run.p1_by_epoch.clone())
+            .collect(),
+    };
+    let lines: Vec<curves::Line> = methods_on(plan, findings, arena).map(line).collect();
+    Block::Figure {
+        svg: curves::svg(&lines),
+        caption: format!(
+            "p1 by epoch on {arena}: mean over the runs and pointwise 95 % bootstrap band of the \
+             mean ({} draws of whole runs).",
+            super::bootstrap::RESAMPLES
+        ),
+    }
+}
+
+fn maps_of(plan: &Plan, findings: &Findings, arena: &Arena, radius_m: f64) -> Block {
+    let name = arena.name();
+    let reachable = arena.starts().first().map_or_else(Vec::new, |start| {
+        arenas::reachable(arena, *start, radius_m).mask
+    });
+    let map = |method: &str| {
+        let runs: Vec<&Finding> = findings.of(name, method).collect();
+        let entered = |square| runs.iter().filter(|run| run.visits[square] > 0).count() as u32;
+        maps::Map {
+            method: method.to_owned(),
+            entered: (0..reachable.len()).map(entered).collect(),
+            runs: runs.len() as u32,
+        }
+    };
+    let maps: Vec<maps::Map> = methods_on(plan, findings, name).map(map).collect();
+    Block::Figure {
+        svg: maps::svg(arena, &reachable, &maps),
+        caption: format!("Squares of {name} entered over all runs, by the number of runs."),
+    }
+}
+
+/// Methods that have runs on an arena.
+fn methods_on<'a>(
+    plan: &'a Plan,
+    findings: &'a Findings,
+    arena: &'a str,
+) -> impl Iterator<Item = &'a str> {
+    plan.methods()
+        .into_iter()
+        .filter(move |method| findings.of(arena, method).next().is_some())
+}

@@ -1,0 +1,246 @@
+//! What the runs left behind, read back from their directories.
+
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, bail, ensure};
+use api::RunResult;
+
+use super::plan::{Plan, PlannedRun};
+use super::statistics::{Summary, summary};
+use crate::artifacts;
+
+/// One finished run.
+#[derive(Clone, Debug)]
+pub struct Finding {
+    pub arena: String,
+    pub method: String,
+    pub seed: u64,
+    pub result: RunResult,
+    /// p1 after each epoch.
+    pub p1_by_epoch: Vec<f64>,
+    /// Entries counted a square, row 0 the lowest y.
+    pub visits: Vec<u32>,
+}
+
+/// All finished runs, in the order of the plan.
+#[derive(Clone, Debug)]
+pub struct Findings(pub Vec<Finding>);
+
+impl Finding {
+    /// p1, p2, p5 and p10, squares.
+    pub fn counts(&self) -> [f64; 4] {
+        let RunResult {
+            p1, p2, p5, p10, ..
+        } = self.result;
+        [p1, p2, p5, p10].map(f64::from)
+    }
+
+    /// The same as shares of the reachable squares.
+    pub fn fractions(&self) -> [f64; 4] {
+        let shares = self.result.fractions;
+        [shares.p1, shares.p2, shares.p5, shares.p10]
+    }
+}
+
+impl Findings {
+    /// Reads every run of the plan.
+    ///
+    /// # Errors
+    /// A run that is not there, is another's, or cannot be read.
+    pub fn read(plan: &Plan, out: &Path) -> anyhow::Result<Self> {
+        let read = |run: &PlannedRun| {
+            let directory = run.directory(out);
+            read_run(run, &directory)
+                .with_context(|| format!("cannot use the run in {}", directory.display()))
+        };
+        plan.runs
+            .iter()
+            .map(read)
+            .collect::<anyhow::Result<_>>()
+            .map(Self)
+    }
+
+    /// Runs of a method on an arena, by seed.
+    pub fn of<'a>(
+        &'a self,
+        arena: &'a str,
+        method: &'a str,
+    ) -> impl Iterator<Item = &'a Finding> + Clone {
+        self.0
+            .iter()
+            .filter(move |run| run.arena == arena && run.method == method)
+    }
+
+    /// A figure of each of those runs.
+    pub fn values(&self, arena: &str, method: &str, figure: impl Fn(&Finding) -> f64) -> Vec<f64> {
+        self.of(arena, method).map(figure).collect()
+    }
+
+    /// p1, p2, p5 and p10 over those runs; `None` without runs.
+    pub fn summaries(
+        &self,
+        arena: &str,
+        method: &str,
+        figures: impl Fn(&Finding) -> [f64; 4],
+    ) -> Option<[Summary; 4]> {
+        let rows: Vec<[f64; 4]> = self.of(arena, method).map(figures).collect();
+        let column = |place: usize| -> Vec<f64> { rows.iter().map(|row| row[place]).collect() };
+        (!rows.is_empty()).then(|| std::array::from_fn(|place| summary(&column(place))))
+    }
+
+    /// `runs.csv`: one line a run, by arena, method and seed.
+    pub fn csv(&self) -> String {
+        let mut runs: Vec<&Finding> = self.0.iter().collect();
+        runs.sort_by(|one, other| {
+            (&one.arena, &one.method, one.seed).cmp(&(&other.arena, &other.method, other.seed))
+        });
+        let mut text = String::from(
+            "arena,method,seed,p1,p2,p5,p10,reachable,\
+             p1_fraction,p2_fraction,p5_fraction,p10_fraction\n",
+        );
+        for run in runs {
+            let [p1, p2, p5, p10] = run.counts();
+            let [f1, f2, f5, f10] = run.fractions();
+            // Writing to a string cannot fail.
+            let _ = writeln!(
+                text,
+                "{},{},{},{p1},{p2},{p5},{p10},{},{f1:.6},{f2:.6},{f5:.6},{f10:.6}",
+                run.arena, run.method, run.seed, run.result.reachable
+            );
+        }
+        text
+    }
+}
+
+fn read_run(run: &PlannedRun, directory: &Path) -> anyhow::Result<Finding> {
+    match artifacts::is_complete(directory) {
+        None => bail!("it is not finished"),
+        Some(spec) => ensure!(spec == run.spec.canonical_json(), "it has another spec"),
+    }
+    let text = |name: &str| {
+        fs::read_to_string(directory.join(name)).with_context(|| format!("cannot read {name}"))
+    };
+    let result = serde_json::from_str(&text("result.json")?).context("cannot read result.json")?;
+    let p1_by_epoch = p1_by_epoch(&text("curve.csv")?).context("cannot read curve.csv")?;
+    let visits = fs::read(directory.join("visits.npy")).context("cannot read visits.npy")?;
+    let squares = run.spec.arena().squares();
+    Ok(Finding {
+        arena: run.arena.clone(),
+        method: run.method.clone(),
+        seed: run.spec.seed(),
+        result,
+        p1_by_epoch,
+        visits: read_visits(&visits, squares).context("visits.npy is damaged")?,
+    })
+}
+
+/// The second column of a `curve.csv`.
+fn p1_by_epoch(text: &str) -> anyhow::Result<Vec<f64>> {
+    text.lines()
+        .skip(1)
+        .map(|line| {
+            let p1 = line.split(',').nth(1).context("a line has one column")?;
+            p1.parse().with_context(|| format!("{p1:?} is no number"))
+        })
+        .collect()
+}
+
+/// The numbers of a `visits.npy` that this program wrote for so many squares a side.
+fn read_visits(bytes: &[u8], squares: u32) -> Option<Vec<u32>> {
+    let count = squares as usize * squares as usize;
+    let start = bytes.len().checked_sub(4 * count)?;
+    let visits: Vec<u32> = bytes[start..]
+        .chunks_exact(4)
+        .map(|number| u32::from_le_bytes([number[0], number[1], number[2], number[3]]))
+        .collect();
+    // Header and all must be what the program writes for these visits.
+    (artifacts::visits_npy(&visits, squares) == bytes).then_some(visits)
+}
+
+#[cfg(test)]
+pub(super) mod testing {
+    use api::Fractions;
+
+    use super::*;
+
+    /// A run with p1, p2, p5, p10 at its end and a curve that leads there in a straight line.
+    pub fn finding(arena: &str, method: &str, seed: u64, counts: [u32; 4]) -> Finding {
+        let [p1, p2, p5, p10] = counts;
+        let share = |count: u32| f64::from(count) / 4_000.0;
+        Finding {
+            arena: arena.to_owned(),
+            method: method.to_owned(),
+            seed,
+            result: RunResult {
+                schema: 1,
+                p1,
+                p2,
+                p5,
+                p10,
+                reachable: 4_000,
+                fractions: Fractions {
+                    p1: share(p1),
+                    p2: share(p2),
+                    p5: share(p5),
+                    p10: share(p10),
+                },
+                steps: 1,
+                collisions: 0,
+                clusters: api::ClusterCounts::default(),
+                bytes: 1,
+                state_sha256: String::new(),
+            },
+            p1_by_epoch: (1..=20).map(|epoch| f64::from(p1 * epoch) / 20.0).collect(),
+            visits: vec![0; 10_000],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::testing::finding;
+    use super::*;
+
+    #[test]
+    fn the_table_is_sorted_and_holds_counts_and_shares() {
+        let findings = Findings(vec![
+            finding("maze", "im", 10, [400, 300, 200, 100]),
+            finding("maze", "im", 2, [4_000, 3, 2, 1]),
+            finding("easy", "im", 1, [8, 4, 2, 1]),
+        ]);
+        let csv = findings.csv();
+        let lines: Vec<&str> = csv.lines().collect();
+        assert!(lines[0].starts_with("arena,method,seed,p1,"));
+        assert_eq!(
+            lines[1],
+            "easy,im,1,8,4,2,1,4000,0.002000,0.001000,0.000500,0.000250"
+        );
+        assert!(lines[2].starts_with("maze,im,2,4000,") && lines[3].starts_with("maze,im,10,400,"));
+        let [p1, ..] = findings.summaries("maze", "im", Finding::counts).unwrap();
+        assert_eq!((p1.mean, p1.median), (2_200.0, 2_200.0));
+        assert!(
+            findings
+                .summaries("maze", "brownian", Finding::counts)
+                .is_none()
+        );
+    }
+
+    #[test]
+    fn visits_are_read_back() {
+        let visits: Vec<u32> = (0..9).collect();
+        let mut bytes = artifacts::visits_npy(&visits, 3);
+        assert_eq!(read_visits(&bytes, 3), Some(visits));
+        assert_eq!(read_visits(&bytes[1..], 3), None);
+        assert_eq!(read_visits(&bytes, 4), None);
+        bytes[0] = 0;
+        assert_eq!(read_visits(&bytes, 3), None);
+        assert_eq!(
+            p1_by_epoch("epoch,p1,p2\n1,5,3\n2,7,4\n").unwrap(),
+            [5.0, 7.0]
+        );
+        assert!(p1_by_epoch("epoch,p1\n1\n").is_err());
+    }
+}

@@ -1,0 +1,293 @@
+//! The report's sections of words and numbers: coverage tables, claims, settings.
+
+use super::claims::{ALPHA, Claim, Claims, Test, Verdict};
+use super::document::{Block, Table};
+use super::plan::Plan;
+use super::published::{Published, published};
+use super::results::{Finding, Findings};
+use super::statistics::Summary;
+
+/// Epochs and runs of the thesis.
+const THESIS: (u32, u32) = (2_000, 15);
+
+fn paragraph(text: impl Into<String>) -> Block {
+    Block::Paragraph(text.into())
+}
+
+/// Title, what was run, and how far the runs can carry.
+pub fn opening(plan: &Plan, claims: &Claims) -> Vec<Block> {
+    let settings = &plan.settings;
+    let (epochs, seeds) = (settings.epochs, settings.seeds);
+    let mut blocks = vec![
+        Block::Heading(1, "Ev-ITER: the experiments of chapter 5 again".to_owned()),
+        paragraph(format!(
+            "{} methods on {}, {seeds} independent runs each, {epochs} epochs of {} steps. \
+             Evolution and phase 1 happen in the arena easy; visits count in the arena named. \
+             p1, p2, p5 and p10 are the squares of a 100 x 100 grid that the robot's centre \
+             entered at least 1, 2, 5 and 10 times over the whole run. The thesis prints its \
+             arenas as pictures only; those here are drawn to its description, so that order and \
+             size of differences are to be compared, not absolute counts.",
+            swarm::spec::Method::NAMES.len(),
+            settings.arenas.join(", "),
+            settings.steps_per_epoch
+        )),
+    ];
+    if (epochs, seeds) != THESIS {
+        blocks.push(paragraph(format!(
+            "These are not the thesis's {} epochs and {} runs: figures and verdicts are a rehearsal.",
+            THESIS.0, THESIS.1
+        )));
+    }
+    let least_p = least_p(seeds);
+    if least_p * claims.tests as f64 >= ALPHA {
+        blocks.push(paragraph(format!(
+            "With {seeds} runs a side no Mann-Whitney p is below {}, which the correction for {} \
+             tests raises above {ALPHA}: no verdict but inconclusive can come of these tests.",
+            p_value(least_p),
+            claims.tests
+        )));
+    }
+    blocks
+}
+
+/// Smallest p of a one-sided Mann-Whitney test of `n` against `n`: one over 2n choose n.
+fn least_p(n: u32) -> f64 {
+    (1..=n).map(|i| f64::from(i) / f64::from(n + i)).product()
+}
+
+/// One row a claim.
+pub fn verdicts(claims: &Claims) -> Vec<Block> {
+    let count = |claim: &Claim, verdict| {
+        let tests = claim.tests.iter().filter(|test| test.verdict == verdict);
+        tests.count().to_string()
+    };
+    let rows = claims.claims.iter().map(|claim| {
+        vec![
+            claim.claim.to_string(),
+            claim.text.to_owned(),
+            claim.verdict.name().to_owned(),
+            count(claim, Verdict::Reproduced),
+            count(claim, Verdict::Inconclusive),
+            count(claim, Verdict::Contradicted),
+        ]
+    });
+    vec![
+        Block::Heading(2, "Claims and verdicts".to_owned()),
+        Block::Table(Table {
+            caption: format!(
+                "Ten claims of the thesis. A claim is reproduced if all its tests are significant \
+                 at {ALPHA} after Holm's correction over all {} tests, contradicted if the \
+                 opposite of one of them is, and otherwise inconclusive. The last three columns \
+                 count tests.",
+                claims.tests
+            ),
+            head: words(&[
+                "",
+                "claim",
+                "verdict",
+                "reproduced",
+                "inconclusive",
+                "contradicted",
+            ]),
+            rows: rows.collect(),
+            words: 3,
+        }),
+    ]
+}
+
+/// Coverage as in the thesis's tables 5.3 and 5.4, ours below the published figures.
+pub fn coverage(plan: &Plan, findings: &Findings) -> Vec<Block> {
+    let published = published();
+    let mut blocks = vec![
+        Block::Heading(2, "Coverage".to_owned()),
+        paragraph(format!(
+            "Mean ± standard deviation (median) over runs. Published: {}; {}. {}",
+            published.source, published.columns, published.left_out
+        )),
+    ];
+    for arena in &plan.settings.arenas {
+        blocks.push(Block::Table(coverage_table(
+            plan, findings, &published, arena,
+        )));
+    }
+    blocks
+}
+
+fn coverage_table(plan: &Plan, findings: &Findings, published: &Published, arena: &str) -> Table {
+    let mut rows = Vec::new();
+    let mut reachable = 0;
+    for method in plan.methods() {
+        let Some(counts) = findings.summaries(arena, method, Finding::counts) else {
+            continue;
+        };
+        reachable = findings
+            .of(arena, method)
+            .next()
+            .map_or(0, |run| run.result.reachable);
+        let row = |first: &str, what: &str, cells: [String; 4]| {
+            let mut row = vec![first.to_owned(), what.to_owned()];
+            row.extend(cells);
+            row
+        };
+        let squares = |Summary { mean, sd, median }| format!("{mean:.0} ± {sd:.0} ({median:.0})");
+        let theirs = match published.row(arena, method) {
+            Some(row) => row.map(|[mean, sd, median]| format!("{mean} ± {sd} ({median})")),
+            None => std::array::from_fn(|_| "-".to_owned()),
+        };
+        rows.push(row(method, "thesis", theirs));
+        rows.push(row("", "here", counts.map(squares)));
+        if let Some(shares) = findings.summaries(arena, method, Finding::fractions) {
+            let percent = |Summary { mean, sd, median }| {
+                let [mean, sd, median] = [mean, sd, median].map(|share| 100.0 * share);
+                format!("{mean:.1} ± {sd:.1} ({median:.1}) %")
+            };
+            rows.push(row("", "of reachable", shares.map(percent)));
+        }
+    }
+    let epochs = plan.settings.epochs;
+    Table {
+        caption: format!(
+            "Arena {arena}: squares entered at least 1, 2, 5 and 10 times after {epochs} epochs, \
+             and their share of the {reachable} squares that a robot of this size can reach. A \
+             number after a colon: epochs of phase 1 instead of 200."
+        ),
+        head: words(&["method", "", "p1", "p2", "p5", "p10"]),
+        rows,
+        words: 2,
+    }
+}
+
+/// Every test of every claim.
+pub fn test_tables(claims: &Claims) -> Vec<Block> {
+    let mut blocks = vec![
+        Block::Heading(2, "Tests".to_owned()),
+        paragraph(
+            "Mann-Whitney tests are one-sided and exact up to 100 values (ties included). A is \
+             Vargha and Delaney's: the probability that a run of the first sample is above one of \
+             the second, 0.5 without a difference. The difference is that of the medians. p \
+             opposite is that of the opposite hypothesis, corrected over all opposites. Runs of \
+             one seed share phase 1 between arenas, which the tests of claim 2 between arenas \
+             leave out of account.",
+        ),
+    ];
+    for claim in &claims.claims {
+        blocks.push(Block::Heading(
+            3,
+            format!("Claim {}: {}", claim.claim, claim.verdict.name()),
+        ));
+        let reason = claim
+            .reason
+            .as_ref()
+            .map_or(String::new(), |reason| format!(" Left out: {reason}."));
+        blocks.push(paragraph(format!("{}. {}{reason}", claim.text, claim.how)));
+        if claim.tests.is_empty() {
+            continue;
+        }
+        blocks.push(Block::Table(Table {
+            caption: claim.tests.first().map_or_else(String::new, captioned),
+            head: words(&[
+                "arena",
+                "hypothesis",
+                "verdict",
+                "n",
+                "statistic",
+                "p",
+                "p Holm",
+                "p opposite",
+                "effect",
+                "difference",
+            ]),
+            rows: claim.tests.iter().map(test_row).collect(),
+            words: 3,
+        }));
+    }
+    blocks
+}
+
+fn captioned(test: &Test) -> String {
+    let unit = test.unit.map_or(String::new(), |unit| {
+        format!("; difference in squares or {unit}")
+    });
+    let unit = unit.replace("squares or squares", "squares");
+    format!("{}; effect: {}{unit}.", test.test, test.effect_size)
+}
+
+fn test_row(test: &Test) -> Vec<String> {
+    let dash = || "-".to_owned();
+    let n: Vec<String> = test.n.iter().map(usize::to_string).collect();
+    let p = |p: Option<f64>| p.map_or_else(dash, p_value);
+    let difference = test
+        .median_difference
+        .map_or_else(dash, |difference| match test.unit {
+            Some("squares") => format!("{difference:+.0}"),
+            _ => format!("{difference:+.3}"),
+        });
+    vec![
+        test.arena.clone(),
+        test.hypothesis.clone(),
+        test.verdict.name().to_owned(),
+        n.join(" + "),
+        test.statistic.to_string(),
+        p(test.p),
+        p(test.p_holm),
+        p(test.p_opposite_holm),
+        format!("{:.2}", test.effect),
+        difference,
+    ]
+}
+
+/// The command, the version and the resolved spec of one run.
+pub fn settings(plan: &Plan) -> Vec<Block> {
+    let mut blocks = vec![
+        Block::Heading(2, "Settings".to_owned()),
+        paragraph(format!(
+            "evswarm {}. Seeds count from 1. Every run's spec, result, curve and visits are in \
+             runs/, named by its key; runs.csv has one line a run, claims.json every test. \
+             timing.json alone says something of time and machine.",
+            env!("CARGO_PKG_VERSION")
+        )),
+        Block::Listing(plan.command()),
+    ];
+    let shown = plan.runs.iter().rev().find(|run| run.method == "ev-iter-c");
+    if let Some(run) = shown.or(plan.runs.last()) {
+        blocks.push(paragraph(format!(
+            "The spec of one run with every default filled in ({} on {}, seed {}):",
+            run.method,
+            run.arena,
+            run.spec.seed()
+        )));
+        blocks.push(Block::Listing(run.spec.canonical_json()));
+    }
+    blocks
+}
+
+fn words(words: &[&str]) -> Vec<String> {
+    words.iter().map(|&word| word.to_owned()).collect()
+}
+
+/// A probability with as many digits as are of use.
+fn p_value(p: f64) -> String {
+    if p < 1e-4 {
+        format!("{p:.1e}")
+    } else {
+        format!("{p:.4}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_least_p_is_that_of_a_full_separation() {
+        assert!((least_p(3) - 0.05).abs() < 1e-12);
+        assert!((least_p(15) * 155_117_520.0 - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn probabilities_are_short() {
+        assert_eq!(p_value(0.05), "0.0500");
+        assert_eq!(p_value(6.4e-9), "6.4e-9");
+        assert_eq!(p_value(1.0), "1.0000");
+    }
+}

@@ -1,0 +1,65 @@
+//! Whether the robots of a job's runs can be put into their arenas, found before it is stored.
+
+use std::collections::BTreeMap;
+
+use swarm::run::check_placement;
+use swarm::spec::RunSpec;
+
+use super::resolve::field_error;
+use super::resolved::ResolvedRun;
+
+/// Robots that are placed to check a job, at least; combinations beyond show when their runs begin.
+const ENOUGH_ROBOTS: u64 = 1_000_000;
+/// Wrong combinations after which no more are looked for.
+const ENOUGH_ERRORS: usize = 100;
+
+/// The combinations whose robots do not fit, with the index of each in `runs`. Placement is tried
+/// once for each arena, body and way of placing, with the most robots: fewer fit where more do.
+pub fn misfits(runs: &[ResolvedRun], seed: u64) -> Vec<(usize, api::FieldError)> {
+    let mut numbers = BTreeMap::new();
+    let mut groups: Vec<Vec<(usize, u32)>> = Vec::new();
+    for (place, run) in runs.iter().enumerate() {
+        let spec = run.common_spec();
+        if spec.robots > 1 {
+            let number = *numbers.entry(key(spec)).or_insert(groups.len());
+            if number == groups.len() {
+                groups.push(Vec::new());
+            }
+            groups[number].push((place, spec.robots));
+        }
+    }
+    let mut misfits: Vec<(usize, api::FieldError)> = Vec::new();
+    let mut placed = 0;
+    for mut group in groups {
+        group.sort_by_key(|&(place, robots)| (std::cmp::Reverse(robots), place));
+        for same in group.chunk_by(|(_, one), (_, other)| one == other) {
+            let (first, robots) = same[0];
+            if placed >= ENOUGH_ROBOTS || misfits.len() >= ENOUGH_ERRORS {
+                return misfits;
+            }
+            placed += u64::from(robots);
+            match check_placement(&runs[first].with_seed(seed).run_spec()) {
+                Ok(()) => break,
+                Err(error) => {
+                    let error = field_error(error);
+                    misfits.extend(same.iter().map(|&(place, _)| (place, error.clone())));
+                }
+            }
+        }
+    }
+    misfits
+}
+
+/// What placement depends on, but for robots and seed. An arena of a job is read once, so its
+/// address stands for it.
+fn key(spec: &RunSpec) -> (usize, Option<usize>, String) {
+    let training = spec.controller.training.as_ref();
+    (
+        std::sync::Arc::as_ptr(&spec.arena) as usize,
+        training.map(|training| std::sync::Arc::as_ptr(&training.arena) as usize),
+        format!(
+            "{:?} {:?} {:?}",
+            spec.placement, spec.controller.method, spec.robot
+        ),
+    )
+}
