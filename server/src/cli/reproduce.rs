@@ -162,14 +162,11 @@ fn run_all(plan: &Plan, out: &Path, threads: usize, stop: &AtomicBool) -> Result
             meter.show(done.min(total), &what);
             thread::sleep(LOOK_EVERY);
         }
-        workers
-            .into_iter()
-            .map(|worker| {
-                worker
-                    .join()
-                    .unwrap_or_else(|_| Err(anyhow!("a run panicked").into()))
-            })
-            .collect::<Result<(), Failure>>()
+        workers.into_iter().try_for_each(|worker| {
+            worker
+                .join()
+                .unwrap_or_else(|_| Err(anyhow!("a run panicked").into()))
+        })
     });
     meter.finish();
     outcomes?;
