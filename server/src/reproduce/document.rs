@@ -33,7 +33,7 @@ border-top:1.5px solid #111;border-bottom:1.5px solid #111}\
 caption{text-align:left;padding:.3rem 0;font-size:.9rem}\
 th{border-bottom:1px solid #111;text-align:right;vertical-align:bottom;padding:.2rem .5rem}\
 td{padding:.12rem .5rem;text-align:right;vertical-align:top;font-variant-numeric:tabular-nums}\
-td.w,th.w{text-align:left}tr.first td{border-top:1px solid #ccc}\
+td:not(.w){white-space:nowrap}td.w,th.w{text-align:left}tr.first td{border-top:1px solid #ccc}\
 figure{margin:1rem 0 1.8rem}figure svg{max-width:100%;height:auto}\
 figcaption{font-size:.9rem}\
 pre{font-size:.78rem;background:#f5f5f5;padding:.7rem;overflow-x:auto}\

@@ -184,7 +184,7 @@ pub fn test_tables(claims: &Claims) -> Vec<Block> {
             continue;
         }
         blocks.push(Block::Table(Table {
-            caption: claim.tests.first().map_or_else(String::new, captioned),
+            caption: captioned(&claim.tests),
             head: words(&[
                 "arena",
                 "hypothesis",
@@ -204,12 +204,25 @@ pub fn test_tables(claims: &Claims) -> Vec<Block> {
     blocks
 }
 
-fn captioned(test: &Test) -> String {
-    let unit = test.unit.map_or(String::new(), |unit| {
-        format!("; difference in squares or {unit}")
-    });
-    let unit = unit.replace("squares or squares", "squares");
-    format!("{}; effect: {}{unit}.", test.test, test.effect_size)
+/// The kinds of tests, effects and units of a table.
+fn captioned(tests: &[Test]) -> String {
+    let distinct = |words: Vec<&'static str>| {
+        let mut distinct: Vec<&str> = Vec::new();
+        for word in words {
+            if !distinct.contains(&word) {
+                distinct.push(word);
+            }
+        }
+        distinct.join(" or ")
+    };
+    let kinds = distinct(tests.iter().map(|test| test.test).collect());
+    let effects = distinct(tests.iter().map(|test| test.effect_size).collect());
+    let units = distinct(tests.iter().filter_map(|test| test.unit).collect());
+    let difference = match units.as_str() {
+        "" => String::new(),
+        units => format!("; difference: {units}"),
+    };
+    format!("{kinds}; effect: {effects}{difference}.")
 }
 
 fn test_row(test: &Test) -> Vec<String> {

@@ -202,8 +202,12 @@ fn robots_that_do_not_fit_are_told_with_the_most_that_do() {
         assert!(expand(&job(&[2, most], placement), &BuiltinArenas).is_ok());
         assert!(expand(&job(&[2, most + 1], placement), &BuiltinArenas).is_err());
     }
+    let hall = json!({
+        "name": "hall", "width_m": 2.0, "height_m": 2.0, "walls_m": [],
+        "starts": [{ "x_m": 1.0, "y_m": 1.0, "heading_rad": 0.0 }]
+    });
     let trained = json!({ "base": {
-        "robots": 60, "placement": "grid",
+        "arena": hall, "robots": 60, "placement": "grid",
         "controller": { "method": "ev-iter-c", "train": { "arena": two_rooms(), "epochs": 2 } }
     }});
     check_job(trained, "/base/robots", "(training arena)");

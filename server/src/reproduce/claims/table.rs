@@ -238,7 +238,13 @@ impl Table<'_> {
                 let hypothesis =
                     format!("lead of {method} over {rival} on {harder} > lead on {easier}");
                 let arenas = format!("{easier}, {harder}");
-                tests.push(mann_whitney(&arenas, hypothesis, &x, &y, "of reachable"));
+                tests.push(mann_whitney(
+                    &arenas,
+                    hypothesis,
+                    &x,
+                    &y,
+                    "share of the reachable squares",
+                ));
             }
         }
         tests
