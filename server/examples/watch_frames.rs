@@ -52,6 +52,8 @@ fn main() -> anyhow::Result<()> {
     let subscriber = channel.subscriber_builder().create()?;
     println!("watching {}", frames_service(&arguments.run_id));
 
+    let opened = Instant::now();
+    let mut published = false;
     let mut received = 0;
     let mut window: Option<Window> = None;
     let mut cleaned_at = Instant::now();
@@ -62,7 +64,10 @@ fn main() -> anyhow::Result<()> {
             cleaned_at = Instant::now();
         }
         // Asked before the last look, so that frames sent before the end are still read.
-        let closed = channel.dynamic_config().number_of_publishers() == 0;
+        // A channel exists a moment before its publisher does: that is not its end.
+        let publishers = channel.dynamic_config().number_of_publishers();
+        published |= publishers > 0 || opened.elapsed().as_secs_f64() >= arguments.wait_s;
+        let closed = published && publishers == 0;
         while let Some(sample) = subscriber.receive()? {
             received += 1;
             let (header, robots) = (sample.user_header(), sample.payload());
