@@ -23,6 +23,8 @@ pub enum Purpose {
     Clustering = 6,
     /// Random start poses.
     Placement = 7,
+    /// Whom a robot hears first, and what it tells.
+    Radio = 8,
 }
 
 /// Which arena of a run a stream belongs to. The numbers are part of every result.

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use swarm::robot::RobotModel;
 use swarm::run::{Phase, Run};
+use swarm::sharing::Sharing;
 use swarm::spec::{
     ControllerParameters, ControllerSpec, EngineKind, Episodes, Method, Placement, RunSpec,
     Training,
@@ -63,6 +64,8 @@ fn spec(method: Method, robots: u32) -> RunSpec {
         episodes: Episodes::Reset,
         robot: RobotModel::default(),
         engine: EngineKind::Kinematic,
+        memory_budget_bytes: None,
+        sharing: Sharing::None,
     }
 }
 

@@ -16,6 +16,18 @@ pub struct Clustering<const D: usize> {
     pub distortion: f64,
 }
 
+/// Most bytes that [`kmeans`] takes for `points` vectors and `k` clusters, its result included and
+/// the points themselves not.
+pub fn workspace_bytes<const D: usize>(points: u32, k: u32) -> u64 {
+    let (points, clusters) = (u64::from(points), u64::from(k));
+    let a_point = size_of::<Member>() + size_of::<u32>();
+    let vector = size_of::<[f32; D]>();
+    let sums = size_of::<([f64; D], u32)>() + size_of::<f64>();
+    2 * Centres::<D>::heap_bytes_for(k)
+        + points * a_point as u64
+        + clusters * (2 * vector + sums + size_of::<u32>()) as u64
+}
+
 /// Clusters `points` around `k` centres.
 ///
 /// Each of `kmeans_restarts` starts from points drawn uniformly without replacement, all of them

@@ -2,15 +2,19 @@
 
 mod babbler;
 mod brownian;
+mod codebook;
 mod crawler;
 mod explorer;
 mod replayer;
+mod team;
 
 pub use babbler::Babbler;
 pub use brownian::Brownian;
+pub use codebook::Codebook;
 pub use crawler::{Crawler, Watch};
-pub use explorer::Explorer;
+pub use explorer::{Decider, Explorer, Transition};
 pub use replayer::Replayer;
+pub use team::Team;
 
 use serde::{Deserialize, Serialize};
 

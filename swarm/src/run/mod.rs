@@ -12,14 +12,18 @@ use std::sync::{Arc, OnceLock};
 use arenas::{Arena, Reachable};
 use sha2::{Digest, Sha256};
 
-pub use types::{CurveRow, Outcome, Phase, Progress, RestoreError};
+pub use types::{CurveRow, Outcome, Phase, Progress, RestoreError, RobotMemory};
 
+use crate::memory::MemoryPlan;
 use crate::placement::place;
-use crate::random::Site;
+use crate::random::{Purpose, Site, stream_key};
+use crate::sharing::Sharing;
+use crate::sharing::radio::Radio;
 use crate::spec::{Episodes, FieldError, RunSpec};
 use crate::world::{Backend, Body, Ground, StartPose, World};
 use learners::Learners;
-use plan::{Stage, StageKind, arena_epochs, stages};
+use plan::{Stage, arena_epochs};
+pub(crate) use plan::{StageKind, stages};
 
 /// Most epochs of a run.
 pub const MAX_EPOCHS: u32 = 1_000_000;
@@ -38,6 +42,7 @@ pub struct Run {
     /// The target arena and, where the method trains elsewhere first, the training arena.
     venues: Vec<Venue>,
     place: Place,
+    memory: MemoryPlan,
     learners: Learners,
     curve: Vec<CurveRow>,
     /// Squares in reach, found when first asked for.
@@ -55,6 +60,8 @@ struct Venue {
     starts: Vec<StartPose>,
     site: Site,
     world: World,
+    /// Where robots share by radio.
+    radio: Option<Radio>,
 }
 
 /// How far a run is.
@@ -76,7 +83,7 @@ fn sites<'a>(
     spec: &'a RunSpec,
     stages: &[Stage],
 ) -> impl Iterator<Item = (&'a Arc<Arena>, Site)> + use<'a> {
-    let trains = stages.iter().any(|stage| stage.kind.begins_in_training());
+    let trains = stages.iter().any(|stage| stage.site == Site::Training);
     let training = spec.controller.training.as_ref().filter(|_| trains);
     let training = training.map(|training| (&training.arena, Site::Training));
     std::iter::once((&spec.arena, Site::Target)).chain(training)
@@ -107,14 +114,20 @@ fn starts(spec: &RunSpec, ground: &Ground, site: Site) -> Result<Vec<StartPose>,
 /// # Errors
 /// When they cannot; says how many can.
 pub fn check_placement(spec: &RunSpec) -> Result<(), FieldError> {
-    sites(spec, &stages(spec)).try_for_each(|(arena, site)| {
+    let stages = MemoryPlan::of(spec).map_or_else(|_| Vec::new(), |plan| stages(spec, &plan));
+    sites(spec, &stages).try_for_each(|(arena, site)| {
         let ground = Ground::new(Arc::clone(arena), &spec.robot);
         starts(spec, &ground, site).map(drop)
     })
 }
 
 impl Venue {
-    fn new(spec: &RunSpec, arena: &Arc<Arena>, site: Site) -> Result<Self, FieldError> {
+    fn new(
+        spec: &RunSpec,
+        memory: &MemoryPlan,
+        arena: &Arc<Arena>,
+        site: Site,
+    ) -> Result<Self, FieldError> {
         let ground = Ground::new(Arc::clone(arena), &spec.robot);
         let starts = starts(spec, &ground, site)?;
         let world = World::new(
@@ -125,11 +138,22 @@ impl Venue {
             spec.seed,
             site,
         );
+        let radio = match &spec.sharing {
+            Sharing::Radio(link) => Some(Radio::new(
+                link,
+                memory,
+                spec.robots as usize,
+                (arena.width_m(), arena.height_m()),
+                stream_key(spec.seed, site, 0, Purpose::Radio),
+            )),
+            Sharing::None | Sharing::Arena => None,
+        };
         Ok(Self {
             ground,
             starts,
             site,
             world,
+            radio,
         })
     }
 
@@ -157,9 +181,10 @@ impl Run {
         if !errors.is_empty() {
             return Err(errors);
         }
-        let stages = stages(&spec);
+        let memory = MemoryPlan::of(&spec).map_err(|_| spec.validate())?;
+        let stages = stages(&spec, &memory);
         let venues = sites(&spec, &stages)
-            .map(|(arena, site)| Venue::new(&spec, arena, site))
+            .map(|(arena, site)| Venue::new(&spec, &memory, arena, site))
             .collect::<Result<_, _>>()
             .map_err(|e| vec![e])?;
         let mut run = Self {
@@ -174,6 +199,7 @@ impl Run {
             },
             curve: Vec::new(),
             sensori_motor_clusters: 0,
+            memory,
             spec,
             stages,
             venues,
@@ -203,7 +229,8 @@ impl Run {
             let rest = u64::from(self.spec.steps_per_epoch - self.place.step);
             let steps = rest.min(left);
             let venue = self.venue();
-            self.learners.advance(&mut self.venues[venue].world, steps);
+            let Venue { world, radio, .. } = &mut self.venues[venue];
+            self.learners.advance(world, radio.as_mut(), steps);
             self.place.step += steps as u32;
             self.place.steps += steps;
             left -= steps;
@@ -222,7 +249,7 @@ impl Run {
     fn venue(&self) -> usize {
         let training = self
             .stage()
-            .is_some_and(|stage| stage.kind.begins_in_training());
+            .is_some_and(|stage| stage.site == Site::Training);
         if training && !self.place.showing {
             TRAINING
         } else {
@@ -237,8 +264,8 @@ impl Run {
         if let Some(clusters) = learners.sensori_motor_clusters() {
             self.sensori_motor_clusters = clusters;
         }
-        self.learners = learners.begin(stage.kind, &self.spec);
-        if stage.kind == StageKind::Replay {
+        self.learners = learners.begin(stage.kind, &self.spec, &self.memory);
+        if stage.kind == StageKind::Replay && stage.site == Site::Training {
             // The replay gives the trajectories of phase 1 back, so it must meet the same noise.
             self.venues[TRAINING].begin_again(&self.spec);
         }
@@ -367,7 +394,17 @@ impl Run {
     /// Bytes that robots, learners and squares hold, exactly counted.
     pub fn bytes(&self) -> u64 {
         let worlds: usize = self.venues.iter().map(|venue| venue.world.bytes()).sum();
-        (worlds + self.learners.bytes()) as u64
+        worlds as u64 + self.learners.bytes()
+    }
+
+    /// What each robot's learner may hold.
+    pub fn memory_plan(&self) -> &MemoryPlan {
+        &self.memory
+    }
+
+    /// What each robot's learner holds right now; index is the robot's number.
+    pub fn memory(&self) -> Vec<RobotMemory> {
+        self.learners.memory(&self.memory, &self.spec.sharing)
     }
 
     /// Steps with other instructions than the machine's best; results stay the same.
@@ -397,6 +434,8 @@ impl Run {
                 .sensori_motor_clusters()
                 .unwrap_or(self.sensori_motor_clusters),
             bytes: self.bytes(),
+            memory_plan: self.memory.clone(),
+            memory: self.memory(),
             state_sha256: hex(&Sha256::digest(self.snapshot())),
         })
     }

@@ -12,7 +12,7 @@ use crate::spec::RunSpec;
 use crate::world::{World, WorldState};
 
 /// Changes whenever the layout of saved state does.
-const MAGIC: &[u8; 8] = b"evswarm1";
+const MAGIC: &[u8; 8] = b"evswarm2";
 
 #[derive(Serialize)]
 struct SavedRef<'a> {
@@ -51,6 +51,7 @@ fn digest(spec: &RunSpec) -> [u8; 32] {
                 training.map(|t| t.epochs),
                 (spec.epochs, spec.steps_per_epoch, spec.robots),
                 (spec.placement, spec.episodes, spec.engine),
+                (spec.memory_budget_bytes, &spec.sharing),
                 &spec.robot,
             )
         )
@@ -104,7 +105,7 @@ pub(super) fn restore(spec: RunSpec, bytes: &[u8]) -> Result<Run, RestoreError> 
     let mut run = Run::new(spec).map_err(RestoreError::Spec)?;
     let misfit = || unreadable("its parts do not fit the spec");
     if saved.worlds.len() != run.venues.len()
-        || saved.learners.len() != run.spec.robots as usize
+        || saved.learners.robots() != run.spec.robots as usize
         || saved.place.stage as usize > run.stages.len()
     {
         return Err(misfit());

@@ -35,6 +35,8 @@ fn spec(method: Method) -> RunSpec {
         episodes: Episodes::Reset,
         robot: RobotModel::default(),
         engine: EngineKind::Kinematic,
+        memory_budget_bytes: None,
+        sharing: Sharing::None,
     }
 }
 

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::memory::MemoryPlan;
 use crate::named_choice;
 use crate::spec::FieldError;
 
@@ -72,8 +73,21 @@ pub struct Outcome {
     pub sensori_motor_clusters: u32,
     /// Bytes that robots, learners and squares hold, exactly counted.
     pub bytes: u64,
+    /// What each robot's learner could hold.
+    pub memory_plan: MemoryPlan,
+    /// What each robot's learner held at the end; index is the robot's number.
+    pub memory: Vec<RobotMemory>,
     /// SHA-256 of the final snapshot, in hex.
     pub state_sha256: String,
+}
+
+/// What one robot's learner holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RobotMemory {
+    /// Bytes, exactly counted; with a table in common, what a copy of it takes.
+    pub bytes: u64,
+    /// Vectors that found no room for a cluster of their own and joined the nearest.
+    pub clusters_saturated: u64,
 }
 
 /// A snapshot that does not fit.

@@ -9,7 +9,7 @@ use arenas::index::grid_coordinate;
 use super::{Backend, World};
 use crate::engine::Motor;
 use crate::lanes::F8;
-use crate::pilot::Pilot;
+use crate::pilot::{Crew, Pilot};
 use crate::prefetch::prefetch;
 use crate::random::{mix64, unit};
 
@@ -22,12 +22,17 @@ const AHEAD: usize = 2;
 impl World {
     /// Moves every robot `steps` times; `pilots` has one entry a robot.
     pub fn advance<P: Pilot>(&mut self, pilots: &mut [P], steps: u64) {
-        assert_eq!(pilots.len(), self.robots(), "one pilot a robot");
+        self.advance_crew(pilots, steps);
+    }
+
+    /// As [`World::advance`], with robots that may have to do with each other.
+    pub fn advance_crew<C: Crew + ?Sized>(&mut self, crew: &mut C, steps: u64) {
+        assert_eq!(crew.len(), self.robots(), "one pilot a robot");
         match self.backend {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: `Avx2` is only ever set after detection.
-            Backend::Avx2 => unsafe { advance_avx2(self, pilots, steps) },
-            _ => self.steps(pilots, steps),
+            Backend::Avx2 => unsafe { advance_avx2(self, crew, steps) },
+            _ => self.steps(crew, steps),
         }
     }
 
@@ -42,31 +47,32 @@ impl World {
     }
 
     #[inline(always)]
-    fn steps<P: Pilot>(&mut self, pilots: &mut [P], steps: u64) {
+    fn steps<C: Crew + ?Sized>(&mut self, crew: &mut C, steps: u64) {
         for _ in 0..steps {
-            self.decide_and_drive(pilots);
+            self.decide_and_drive(crew);
             self.collide();
             self.account();
             self.sense();
-            for i in 0..pilots.len() {
-                if let Some(soon) = pilots.get(i + AHEAD) {
-                    soon.expect_learning();
+            for i in 0..crew.len() {
+                if i + AHEAD < crew.len() {
+                    crew.expect_learning(i + AHEAD);
                 }
-                pilots[i].learn(&F8(self.state.bodies[i].sensors));
+                crew.learn(i, &F8(self.state.bodies[i].sensors));
             }
+            crew.end_step(self.state.step, &self.state.bodies);
             self.state.step += 1;
         }
     }
 
     #[inline(always)]
-    fn decide_and_drive<P: Pilot>(&mut self, pilots: &mut [P]) {
+    fn decide_and_drive<C: Crew + ?Sized>(&mut self, crew: &mut C) {
         let step = self.state.step;
         let drive = &self.drive;
         for (i, body) in self.state.bodies.iter_mut().enumerate() {
-            if let Some(soon) = pilots.get(i + AHEAD) {
-                soon.expect_acting();
+            if i + AHEAD < crew.len() {
+                crew.expect_acting(i + AHEAD);
             }
-            let command = pilots[i].act(step, &F8(body.sensors));
+            let command = crew.act(i, step, &F8(body.sensors));
             body.command = command;
             let left = drive.accelerate(body.wheels_rad_s[0], command[0]);
             let right = drive.accelerate(body.wheels_rad_s[1], command[1]);
@@ -180,8 +186,8 @@ impl World {
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn advance_avx2<P: Pilot>(world: &mut World, pilots: &mut [P], steps: u64) {
-    world.steps(pilots, steps);
+fn advance_avx2<C: Crew + ?Sized>(world: &mut World, crew: &mut C, steps: u64) {
+    world.steps(crew, steps);
 }
 
 #[cfg(target_arch = "x86_64")]
