@@ -151,6 +151,8 @@ impl Repository {
             "lists of length {lambda}"
         );
         let pairs = ns as usize * na as usize;
+        let mut every_action = Vec::with_capacity(pairs);
+        (0..ns).for_each(|_| every_action.extend(0..na as u16));
         Self {
             ns,
             na,
@@ -169,7 +171,7 @@ impl Repository {
             pairs: vec![Pair::default(); pairs],
             entries: Entries::new(ns, parameters.lambda, pairs * (lambda + ns as usize)),
             scores: vec![f32::NEG_INFINITY; pairs],
-            deficient: (0..ns).flat_map(|_| 0..na as u16).collect(),
+            deficient: every_action,
         }
     }
 

@@ -134,8 +134,15 @@ fn watched(crawlers: Vec<Crawler>) -> Vec<(Watch, Archive)> {
     crawlers.into_iter().filter_map(Crawler::finish).collect()
 }
 
+/// Collects into memory of its own: `collect` would keep that of the old, larger values.
+fn exactly<T>(items: impl ExactSizeIterator<Item = T>) -> Vec<T> {
+    let mut collected = Vec::with_capacity(items.len());
+    collected.extend(items);
+    collected
+}
+
 fn first<T>(pairs: Vec<(Explorer, T)>) -> Vec<Explorer> {
-    pairs.into_iter().map(|(explorer, _)| explorer).collect()
+    exactly(pairs.into_iter().map(|(explorer, _)| explorer))
 }
 
 impl Learners {
@@ -158,10 +165,10 @@ impl Learners {
                     Replayer::new(p.slope, Scaling::new(p.sensor_scale), archive, explorer)
                 };
                 let explorers = make.explorers(watched(crawlers));
-                Learners::Replayers(explorers.into_iter().map(replayer).collect())
+                Learners::Replayers(exactly(explorers.into_iter().map(replayer)))
             }
             (StageKind::Explore, Learners::Replayers(replayers)) => {
-                make.exploring(replayers.into_iter().map(Replayer::finish).collect())
+                make.exploring(exactly(replayers.into_iter().map(Replayer::finish)))
             }
             (StageKind::Explore, Learners::Babblers(babblers)) => {
                 let watched = babblers.into_iter().map(|b| (b.finish(), ())).collect();
