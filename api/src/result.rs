@@ -42,6 +42,42 @@ pub struct ClusterCounts {
     pub sensori_motor: u32,
 }
 
+/// What each robot's learner may hold: caps of everything that grows.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MemoryPlan {
+    /// States.
+    pub sensor_clusters: u32,
+    /// Actions.
+    pub actuator_clusters: u32,
+    /// Clusters that sensori-motor objectives are computed over.
+    pub sensori_motor_clusters: u32,
+    /// Vectors of the sample that k-means runs over.
+    pub sample: u32,
+    /// Commands kept for each action.
+    pub actuator_sample: u32,
+    /// Length of each list of next states.
+    pub lambda: u32,
+    /// Genomes of phase 1 that are kept for phase 2.
+    pub genomes: u32,
+    /// Most bytes that a robot holds at any moment under these caps.
+    pub bytes: u64,
+}
+
+/// What the robots' learners held when the run ended.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Memory {
+    /// What each could hold; without a budget what the parameters say.
+    pub plan: MemoryPlan,
+    /// Bytes of the robot that held the most.
+    pub most_bytes: u64,
+    /// Bytes of the robot that held the least.
+    pub least_bytes: u64,
+    /// Vectors, of all robots, that found no room for a cluster of their own.
+    pub clusters_saturated: u64,
+    /// Robots with such vectors.
+    pub robots_saturated: u32,
+}
+
 /// `result.json`: what a finished run has to say; nothing about time or machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunResult {
@@ -67,6 +103,8 @@ pub struct RunResult {
     pub clusters: ClusterCounts,
     /// Bytes that the run holds, exactly counted.
     pub bytes: u64,
+    /// What the robots' learners held.
+    pub memory: Memory,
     /// SHA-256 of the final snapshot, in hex.
     pub state_sha256: String,
 }

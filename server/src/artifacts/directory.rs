@@ -8,7 +8,7 @@ use serde::Serialize;
 use swarm::run::{CurveRow, Outcome};
 
 use super::timing::Timing;
-use super::{coverage_png, curve_csv, run_result, visits_npy};
+use super::{coverage_png, curve_csv, robots_csv, run_result, visits_npy};
 use crate::spec::ResolvedRun;
 
 /// A finished run.
@@ -71,7 +71,7 @@ pub fn is_complete(directory: &Path) -> Option<String> {
     directory.join("result.json").is_file().then_some(spec)
 }
 
-fn files(finished: &Finished<'_>, timing: &Timing) -> [(&'static str, Vec<u8>); 6] {
+fn files(finished: &Finished<'_>, timing: &Timing) -> [(&'static str, Vec<u8>); 7] {
     let Finished {
         spec,
         outcome,
@@ -90,6 +90,7 @@ fn files(finished: &Finished<'_>, timing: &Timing) -> [(&'static str, Vec<u8>); 
         ("spec.json", spec.canonical_json().into_bytes()),
         ("result.json", json(&run_result(outcome))),
         ("curve.csv", curve_csv(curve).into_bytes()),
+        ("robots.csv", robots_csv(outcome).into_bytes()),
         ("visits.npy", visits_npy(visits, arena.squares())),
         ("coverage.png", coverage_png(arena, visits, mask)),
         ("timing.json", json(&timing.to_document())),

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use api::{ClusterCounts, Coverage, Fractions, RunResult, SCHEMA};
+use api::{ClusterCounts, Coverage, Fractions, Memory, MemoryPlan, RunResult, SCHEMA};
 use arenas::Arena;
 use swarm::run::{CurveRow, Outcome, counts_within};
 
@@ -29,8 +29,50 @@ pub fn run_result(outcome: &Outcome) -> RunResult {
             sensori_motor: outcome.sensori_motor_clusters,
         },
         bytes: outcome.bytes,
+        memory: memory(outcome),
         state_sha256: outcome.state_sha256.clone(),
     }
+}
+
+fn memory(outcome: &Outcome) -> Memory {
+    let bytes = || outcome.memory.iter().map(|robot| robot.bytes);
+    let saturated = || outcome.memory.iter().map(|robot| robot.clusters_saturated);
+    Memory {
+        plan: memory_plan(&outcome.memory_plan),
+        most_bytes: bytes().max().unwrap_or(0),
+        least_bytes: bytes().min().unwrap_or(0),
+        clusters_saturated: saturated().sum(),
+        // A run has at most 100,000 robots.
+        robots_saturated: saturated().filter(|count| *count > 0).count() as u32,
+    }
+}
+
+/// What each robot's learner may hold, as a document.
+pub fn memory_plan(plan: &swarm::memory::MemoryPlan) -> MemoryPlan {
+    MemoryPlan {
+        sensor_clusters: plan.sensor_clusters,
+        actuator_clusters: plan.actuator_clusters,
+        sensori_motor_clusters: plan.sensori_motor_clusters,
+        sample: plan.sample,
+        actuator_sample: plan.actuator_sample,
+        lambda: plan.lambda,
+        genomes: plan.genomes,
+        bytes: plan.bytes,
+    }
+}
+
+/// `robots.csv`: what each robot's learner held.
+pub fn robots_csv(outcome: &Outcome) -> String {
+    let mut text = String::from("robot,bytes,clusters_saturated\n");
+    for (robot, memory) in outcome.memory.iter().enumerate() {
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "{robot},{},{}",
+            memory.bytes, memory.clusters_saturated
+        );
+    }
+    text
 }
 
 /// Counts inside the reachable squares as shares of these.

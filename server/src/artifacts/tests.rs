@@ -5,7 +5,8 @@ use std::fs;
 
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
-use swarm::run::{CurveRow, Outcome};
+use swarm::memory::MemoryPlan;
+use swarm::run::{CurveRow, Outcome, RobotMemory};
 
 use super::*;
 use crate::spec::{self, BuiltinArenas, ResolvedRun};
@@ -47,6 +48,26 @@ fn outcome() -> Outcome {
         actuator_clusters: 4,
         sensori_motor_clusters: 5,
         bytes: 678,
+        memory_plan: MemoryPlan {
+            sensor_clusters: 12,
+            actuator_clusters: 8,
+            sensori_motor_clusters: 24,
+            sample: 72,
+            actuator_sample: 4,
+            lambda: 20,
+            genomes: 2,
+            bytes: 8_000,
+        },
+        memory: vec![
+            RobotMemory {
+                bytes: 7_000,
+                clusters_saturated: 5,
+            },
+            RobotMemory {
+                bytes: 7_100,
+                clusters_saturated: 0,
+            },
+        ],
         state_sha256: "ab".to_owned(),
     }
 }

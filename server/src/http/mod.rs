@@ -68,6 +68,7 @@ fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, token: Option<&str>) -> 
         .route("/runs/{id}", get(runs::show))
         .route("/runs/{id}/spec", get(runs::spec))
         .route("/runs/{id}/result", get(runs::result))
+        .route("/runs/{id}/memory", get(runs::memory))
         .route("/runs/{id}/channels", get(runs::channels))
         .route("/runs/{id}/cancel", post(runs::cancel))
         .route("/runs/{id}/curve", get(coverage::curve))

@@ -190,6 +190,7 @@ pub(super) mod testing {
                 collisions: 0,
                 clusters: api::ClusterCounts::default(),
                 bytes: 1,
+                memory: api::Memory::default(),
                 state_sha256: String::new(),
             },
             p1_by_epoch: (1..=20).map(|epoch| f64::from(p1 * epoch) / 20.0).collect(),

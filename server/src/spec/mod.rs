@@ -7,6 +7,7 @@ mod controller;
 mod expand;
 mod fields;
 mod labels;
+mod learning;
 mod listing;
 mod matrix;
 mod placement;

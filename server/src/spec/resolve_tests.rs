@@ -159,14 +159,39 @@ fn wrong_specs_are_refused_where_they_are_wrong() {
     );
     check(json!({ "channels": "yes" }), "/channels", "true or false");
     check(
-        json!({ "memory_budget_bytes": "e-puck" }),
+        json!({ "memory_budget_bytes": "e-puk" }),
         "/memory_budget_bytes",
-        "not supported yet",
+        "did you mean \"e-puck\"?",
     );
     check(
-        json!({ "sharing": { "mode": "radio" } }),
+        json!({ "memory_budget_bytes": 100 }),
+        "/memory_budget_bytes",
+        "at least ",
+    );
+    check(
+        json!({ "memory_budget_bytes": true }),
+        "/memory_budget_bytes",
+        "not a truth value",
+    );
+    check(
+        json!({ "sharing": { "mode": "radio", "range_m": -1 } }),
+        "/sharing/range_m",
+        "from 0 to 100",
+    );
+    check(
+        json!({ "sharing": { "mode": "radio", "bytes_per_step": 5 } }),
+        "/sharing/bytes_per_step",
+        "from 6 to 4096",
+    );
+    check(
+        json!({ "sharing": { "mode": "arena", "range_m": 1 } }),
+        "/sharing/range_m",
+        "has no radio",
+    );
+    check(
+        json!({ "sharing": { "mode": "radio" }, "controller": { "method": "brownian" } }),
         "/sharing/mode",
-        "not supported yet",
+        "learns nothing",
     );
     check(
         json!({ "sharing": { "mode": "non" } }),

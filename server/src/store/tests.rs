@@ -58,6 +58,7 @@ fn finished() -> Finished {
         collisions: 5,
         clusters: api::ClusterCounts::default(),
         bytes: 99,
+        memory: api::Memory::default(),
         state_sha256: "00".repeat(32),
     };
     let curve = vec![swarm::run::CurveRow {

@@ -28,7 +28,7 @@ pub(super) enum Learners {
     Replayers(Vec<Replayer>),
     Explorers(Vec<Explorer>),
     /// Explorers with one table.
-    Team(Team),
+    Team(Box<Team>),
 }
 
 /// The random streams of one robot.
@@ -122,7 +122,8 @@ impl Maker<'_> {
     /// The learners of phase 3.
     fn exploring(&self, explorers: Vec<Explorer>) -> Learners {
         if self.spec.sharing == Sharing::Arena {
-            Team::new(&self.parameters, explorers).map_or(Learners::Idle, Learners::Team)
+            Team::new(&self.parameters, explorers)
+                .map_or(Learners::Idle, |team| Learners::Team(Box::new(team)))
         } else {
             Learners::Explorers(explorers)
         }
@@ -199,7 +200,7 @@ impl Learners {
                 world.advance_crew(&mut Talkers { pilots, radio }, steps);
             }
             (Learners::Explorers(pilots), None) => world.advance(pilots, steps),
-            (Learners::Team(team), _) => world.advance_crew(team, steps),
+            (Learners::Team(team), _) => world.advance_crew(&mut **team, steps),
         }
     }
 
