@@ -91,7 +91,7 @@ impl MemoryPlan {
             sensor_clusters: cap(states, p.max_clusters),
             actuator_clusters: cap((states * 2 / 3).max(3), p.max_clusters),
             sensori_motor_clusters: cap((states * 2).max(8), p.max_clusters),
-            sample: cap((states * states / 2).max(states * 4), p.sample),
+            sample: cap((states * states / 4).max(states * 3), p.sample),
             actuator_sample: cap(states / 3, p.actuator_sample),
             lambda: cap((states * 5 / 3).max(8), p.lambda),
             genomes: cap(states * states / 64, training.map_or(1, |t| t.epochs)),
@@ -151,25 +151,35 @@ fn stage_bytes(kind: StageKind, plan: &MemoryPlan, spec: &RunSpec) -> u64 {
     }
 }
 
-/// While k-means runs: what was watched, the workspace, and the table that is made next.
+/// From a stage that watched to the next: the watch is taken out, k-means runs, the watch goes and
+/// the table comes, the learner of the next stage takes it over.
 fn clustering_bytes(from: StageKind, plan: &MemoryPlan, spec: &RunSpec) -> u64 {
-    let (watcher, archive) = if from == StageKind::Babble {
-        (size_of::<Babbler>(), 0)
+    let shares = spec.sharing != Sharing::None;
+    let (before, genomes) = if from == StageKind::Babble {
+        (Babbler::bytes_for(plan), 0)
     } else {
-        (size_of::<Crawler>(), Archive::heap_bytes_for(plan.genomes))
+        (
+            stage_bytes(from, plan, spec),
+            Archive::heap_bytes_for(plan.genomes),
+        )
     };
-    let pooled = match spec.sharing {
-        Sharing::None => 0,
-        _ => u64::from(plan.sample) * size_of::<[f32; 10]>() as u64,
+    let watched = size_of::<(Watch, Archive)>() as u64;
+    let explorer = size_of::<(Explorer, Archive)>() as u64;
+    let pooled = if shares {
+        u64::from(plan.sample) * size_of::<[f32; 10]>() as u64
+    } else {
+        0
     };
+    let watch = Watch::heap_bytes_for(plan) + pooled;
+    let codebook = Codebook::heap_bytes_for(plan) * if shares { 2 } else { 1 };
     let table =
         Repository::heap_bytes_for(plan.sensor_clusters, plan.actuator_clusters, plan.lambda);
-    (watcher + size_of::<Replayer>() + size_of::<(Watch, Archive)>()) as u64
-        + Watch::heap_bytes_for(plan)
-        + archive
-        + pooled
-        + Codebook::workspace_bytes(plan)
-        + table
+    let taking_out = before + watched;
+    let clustering =
+        watched + explorer + watch + genomes + codebook + Codebook::workspace_bytes(plan);
+    let making = watched + explorer + genomes + codebook + table;
+    let taking_over = explorer + size_of::<Replayer>() as u64 + genomes + codebook + table;
+    taking_out.max(clustering).max(making).max(taking_over)
 }
 
 #[cfg(test)]

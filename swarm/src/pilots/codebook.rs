@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::learn::actuator_samples::ActuatorSamples;
 use crate::learn::centres::Centres;
-use crate::learn::kmeans::{self, kmeans};
+use crate::learn::kmeans::{self, Part, Points, kmeans};
 use crate::memory::MemoryPlan;
 use crate::random::Stream;
 use crate::spec::ControllerParameters;
@@ -29,21 +29,12 @@ impl Codebook {
         (states, actions): (u32, u32),
         clustering: &mut Stream,
     ) -> Self {
-        let states = {
-            let sensors: Vec<[f32; 8]> = vectors
-                .iter()
-                .map(|v| std::array::from_fn(|k| v[k]))
-                .collect();
-            kmeans(&sensors, states, p, clustering).centres
-        };
-        let command = |v: &[f32; 10]| [v[8], v[9]];
-        let actions = {
-            let commands: Vec<[f32; 2]> = vectors.iter().map(command).collect();
-            kmeans(&commands, actions, p, clustering).centres
-        };
+        let (sensors, commands) = (Part::<10, 0>(vectors), Part::<10, 8>(vectors));
+        let states = kmeans::<8>(sensors, states, p, clustering).centres;
+        let actions = kmeans::<2>(commands, actions, p, clustering).centres;
         let filling = Stream::new(clustering.bits());
         let mut samples = ActuatorSamples::new(&actions, p.actuator_sample, filling);
-        for command in vectors.iter().map(command) {
+        for command in commands.each() {
             samples.offer(actions.nearest(&command).0, command);
         }
         Self {
@@ -55,9 +46,8 @@ impl Codebook {
 
     /// Most bytes that making one takes, itself included, the sample not.
     pub fn workspace_bytes(plan: &MemoryPlan) -> u64 {
-        let points = |dimensions: u64| u64::from(plan.sample) * 4 * dimensions;
-        let states = points(8) + kmeans::workspace_bytes::<8>(plan.sample, plan.sensor_clusters);
-        let actions = points(2) + kmeans::workspace_bytes::<2>(plan.sample, plan.actuator_clusters);
+        let states = kmeans::workspace_bytes::<8>(plan.sample, plan.sensor_clusters);
+        let actions = kmeans::workspace_bytes::<2>(plan.sample, plan.actuator_clusters);
         states.max(actions) + Self::heap_bytes_for(plan)
     }
 

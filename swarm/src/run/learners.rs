@@ -55,9 +55,12 @@ struct Maker<'a> {
 }
 
 impl Maker<'_> {
-    fn robots(&self) -> impl Iterator<Item = Streams> + Clone + use<> {
+    fn robots(&self) -> impl ExactSizeIterator<Item = Streams> + use<> {
         let seed = self.spec.seed;
-        (0..u64::from(self.spec.robots)).map(move |robot| Streams { seed, robot })
+        (0..self.spec.robots).map(move |robot| Streams {
+            seed,
+            robot: u64::from(robot),
+        })
     }
 
     fn watch(&self, robot: &Streams) -> Watch {
@@ -94,9 +97,10 @@ impl Maker<'_> {
     }
 
     /// Phase 2 but for the replay: explorers with empty tables, one for each robot that watched,
-    /// and what goes with each.
+    /// and what goes with each. A watch is let go before its robot's table is made.
     fn explorers<T>(&self, watched: Vec<(Watch, T)>) -> Vec<(Explorer, T)> {
         let p = &self.parameters;
+        let clustering = |robot: &Streams| robot.stream(Site::Training, Purpose::Clustering);
         let common = (self.spec.sharing != Sharing::None).then(|| {
             let watches: Vec<&Watch> = watched.iter().map(|(watch, _)| watch).collect();
             let pooled = pool(&watches, self.plan.sample);
@@ -104,19 +108,22 @@ impl Maker<'_> {
                 seed: self.spec.seed,
                 robot: 0,
             };
-            let mut clustering = first.stream(Site::Training, Purpose::Clustering);
-            Codebook::new(p, &pooled.vectors, pooled.clusters, &mut clustering)
+            Codebook::new(p, &pooled.vectors, pooled.clusters, &mut clustering(&first))
         });
         let explorer = |(robot, (watch, rest)): (Streams, (Watch, T))| {
-            let codebook = common.clone().unwrap_or_else(|| {
-                let clusters = (watch.sensors.len(), watch.actuators.len());
-                let mut clustering = robot.stream(Site::Training, Purpose::Clustering);
-                Codebook::new(p, watch.sample.sample(), clusters, &mut clustering)
-            });
+            let saturated = watch.saturated();
+            let codebook = match &common {
+                Some(common) => common.clone(),
+                None => {
+                    let clusters = (watch.sensors.len(), watch.actuators.len());
+                    Codebook::new(p, watch.sample.sample(), clusters, &mut clustering(&robot))
+                }
+            };
+            drop(watch);
             let key = robot.key(Site::Target, Purpose::Action);
-            (Explorer::new(p, key, codebook, watch.saturated()), rest)
+            (Explorer::new(p, key, codebook, saturated), rest)
         };
-        self.robots().zip(watched).map(explorer).collect()
+        exactly(self.robots().zip(watched).map(explorer))
     }
 
     /// The learners of phase 3.
@@ -132,7 +139,9 @@ impl Maker<'_> {
 
 /// What the crawlers of a phase 1 leave; every one of them watched.
 fn watched(crawlers: Vec<Crawler>) -> Vec<(Watch, Archive)> {
-    crawlers.into_iter().filter_map(Crawler::finish).collect()
+    let mut watched = Vec::with_capacity(crawlers.len());
+    watched.extend(crawlers.into_iter().filter_map(Crawler::finish));
+    watched
 }
 
 /// Collects into memory of its own: `collect` would keep that of the old, larger values.
@@ -172,7 +181,7 @@ impl Learners {
                 make.exploring(exactly(replayers.into_iter().map(Replayer::finish)))
             }
             (StageKind::Explore, Learners::Babblers(babblers)) => {
-                let watched = babblers.into_iter().map(|b| (b.finish(), ())).collect();
+                let watched = exactly(babblers.into_iter().map(|b| (b.finish(), ())));
                 make.exploring(first(make.explorers(watched)))
             }
             (StageKind::Explore, Learners::Crawlers(crawlers)) => {
