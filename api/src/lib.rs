@@ -15,7 +15,10 @@ pub use catalog::{
 };
 pub use job::{Job, JobPage, RunCounts, RunPage, RunSummary};
 pub use problem::{FieldError, Problem};
-pub use result::{ClusterCounts, Coverage, CurveRow, Fractions, RunResult};
+pub use result::{
+    ClusterCounts, Coverage, CurveRow, Fractions, Metrics, MetricsRow, RunResult, Squares,
+    SwarmMetrics,
+};
 pub use spec::{
     ArenaRef, ControllerSpec, JobSpec, RecordSpec, RobotSpec, RunSpec, SCHEMA, Seeds, SharingSpec,
     TrainSpec,

@@ -5,7 +5,7 @@ use std::fs;
 
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
-use swarm::run::{CurveRow, Outcome};
+use swarm::run::{CurveRow, MetricsLog, Outcome};
 
 use super::*;
 use crate::spec::{self, BuiltinArenas, ResolvedRun};
@@ -32,6 +32,21 @@ fn visits_and_mask() -> (Vec<u32>, Vec<bool>) {
 
 fn outcome() -> Outcome {
     Outcome {
+        metrics: swarm::run::Metrics {
+            last: swarm::run::MetricsRow {
+                steps: 2_000,
+                epoch: 1,
+                entered: [40, 30, 24, 8],
+                entropy: 0.5,
+                overlap: None,
+                contribution_max: 1.0,
+                collisions: 7,
+                distance_m: 12.5,
+            },
+            t_steps: [Some(100), None, None],
+            overlap_robots: 0,
+            contributors: 1.0,
+        },
         coverage: CurveRow {
             epoch: 2,
             p1: 46,
@@ -115,6 +130,7 @@ fn a_directory_holds_all_files_or_is_not_there() {
         outcome: &outcome,
         curve: &[],
         visits: &visits,
+        metrics: &MetricsLog::default(),
     };
     let timing = Timing {
         wall_s: 2.0,
@@ -136,7 +152,9 @@ fn a_directory_holds_all_files_or_is_not_there() {
     let files = [
         "coverage.png",
         "curve.csv",
+        "metrics.csv",
         "result.json",
+        "robots.csv",
         "spec.json",
         "timing.json",
         "visits.npy",

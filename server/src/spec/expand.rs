@@ -9,7 +9,7 @@ use serde_json::{Map, Value};
 use super::arena::{ArenaSource, Arenas};
 use super::fields::{Errors, Object, did_you_mean, join, kind};
 use super::labels::labels;
-use super::matrix::{Axis, axes, combination, place_of};
+use super::matrix::{Axis, Target, axes, combination, place_of};
 use super::placement::misfits;
 use super::resolve::{MAX_SEED, resolve_with};
 use super::resolved::ResolvedRun;
@@ -322,24 +322,29 @@ fn resolve_all(
 /// A run's error as one of the job: at the value of the innermost axis that holds the field or
 /// leads into it, or in the base run.
 fn in_job(error: FieldError, axes: &[Axis<'_>], place: usize) -> FieldError {
-    let within = |axis: &Axis<'_>| match error.pointer.strip_prefix(axis.pointer.as_str()) {
+    let within = |target: &Target<'_>| match error.pointer.strip_prefix(target.pointer.as_str()) {
         Some(rest) if rest.is_empty() || rest.starts_with('/') => Some(rest.to_owned()),
         // The axis leads into a field that cannot hold it.
-        _ if !error.pointer.is_empty() && leads_into(&error.pointer, axis) => Some(String::new()),
+        _ if !error.pointer.is_empty() && leads_into(&error.pointer, target) => Some(String::new()),
         _ => None,
     };
     let pointer = axes
         .iter()
         .zip(place_of(axes, place))
-        .filter_map(|(axis, index)| Some((axis, index, within(axis)?)))
-        .max_by_key(|(axis, _, _)| axis.pointer.len())
-        .map(|(axis, index, rest)| format!("{}/{index}{rest}", join("/matrix", axis.path)))
+        .flat_map(|(axis, index)| {
+            let targets = axis.targets.iter().enumerate();
+            targets.map(move |(number, target)| (axis.place(index, number), target))
+        })
+        .filter_map(|(place, target)| Some((place, target, within(target)?)))
+        .max_by_key(|(_, target, _)| target.pointer.len())
+        .map(|(place, _, rest)| format!("{place}{rest}"))
         .unwrap_or_else(|| format!("/base{}", error.pointer));
     FieldError { pointer, ..error }
 }
 
-fn leads_into(pointer: &str, axis: &Axis<'_>) -> bool {
-    axis.pointer
+fn leads_into(pointer: &str, target: &Target<'_>) -> bool {
+    target
+        .pointer
         .strip_prefix(pointer)
         .is_some_and(|rest| rest.starts_with('/'))
 }

@@ -54,6 +54,7 @@ fn finished() -> Finished {
             p5: 1.0 / 6.0,
             p10: 0.0,
         },
+        metrics: None,
         steps: 1_234,
         collisions: 5,
         clusters: api::ClusterCounts::default(),
@@ -73,7 +74,13 @@ fn finished() -> Finished {
             curve,
             visits: vec![1, 2, 0],
             dwell: vec![4, 5, 0],
+            metrics: swarm::run::MetricsLog {
+                reachable: 3,
+                first_entry: vec![1, 2, 0],
+                ..Default::default()
+            },
         },
+        cpu_ns_per_robot_step: Some(123.5),
     }
 }
 
@@ -352,7 +359,7 @@ fn an_arena_in_use_stays() {
         height_m: 1.0,
         walls: 0,
         starts: 1,
-        squares: 100,
+        squares: api::Squares::Side(100),
         reachable: 9_000,
     };
     let arena = StoredArena {
