@@ -9,6 +9,7 @@ pub mod problem;
 pub mod result;
 pub mod spec;
 pub mod state;
+pub mod summary;
 
 pub use catalog::{
     ArenaListing, ControllerListing, MethodListing, ParameterListing, TemplateListing,
@@ -24,3 +25,4 @@ pub use spec::{
     TrainSpec,
 };
 pub use state::{Progress, State};
+pub use summary::JobSummary;

@@ -51,6 +51,8 @@ pub struct SwarmMetrics {
     pub t90_steps: Option<u64>,
     /// After which 99 % had.
     pub t99_steps: Option<u64>,
+    /// Mean over the counted steps of the share of reachable squares that had been entered.
+    pub mean_coverage: f64,
     /// Entropy of the entries over the reachable squares as a share of the greatest, 0 to 1.
     pub entropy: f64,
     /// How much of what a robot visits another visits too, 0 to 1; null for one robot.

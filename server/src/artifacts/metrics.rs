@@ -15,6 +15,7 @@ pub fn swarm_metrics(metrics: &swarm::run::Metrics) -> SwarmMetrics {
         t50_steps,
         t90_steps,
         t99_steps,
+        mean_coverage: metrics.mean_coverage,
         entropy: last.entropy,
         overlap: last.overlap,
         overlap_robots: metrics.overlap_robots,

@@ -44,6 +44,7 @@ fn outcome() -> Outcome {
                 distance_m: 12.5,
             },
             t_steps: [Some(100), None, None],
+            mean_coverage: 0.25,
             overlap_robots: 0,
             contributors: 1.0,
         },

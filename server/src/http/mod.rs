@@ -11,6 +11,7 @@ mod refusal;
 mod request;
 mod runs;
 mod serve;
+mod summary;
 #[cfg(test)]
 mod tests;
 mod views;
@@ -62,6 +63,9 @@ fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, token: Option<&str>) -> 
         .route("/jobs", get(jobs::list).post(jobs::create))
         .route("/jobs/{id}", get(jobs::show).delete(jobs::delete))
         .route("/jobs/{id}/runs", get(jobs::runs))
+        .route("/jobs/{id}/summary", get(summary::as_json))
+        .route("/jobs/{id}/summary.csv", get(summary::as_csv))
+        .route("/jobs/{id}/summary.md", get(summary::as_markdown))
         .route("/jobs/{id}/cancel", post(jobs::cancel))
         .route("/jobs/{id}/pause", post(jobs::pause))
         .route("/jobs/{id}/resume", post(jobs::resume))

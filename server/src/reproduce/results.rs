@@ -8,8 +8,8 @@ use anyhow::{Context, bail, ensure};
 use api::RunResult;
 
 use super::plan::{Plan, PlannedRun};
-use super::statistics::{Summary, summary};
 use crate::artifacts;
+use crate::statistics::{Summary, summary};
 
 /// One finished run.
 #[derive(Clone, Debug)]

@@ -12,6 +12,7 @@ pub fn new_job(job: ExpandedJob, request: JobRequest) -> NewJob {
         runs: runs
             .map(|(place, run)| new_run(run, job.label(place)))
             .collect(),
+        design: job.design(),
         name: job.name,
         request,
     }

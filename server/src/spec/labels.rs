@@ -65,6 +65,15 @@ fn words(axis: &Axis<'_>, axes: &[Axis<'_>]) -> Words {
     Words { name, values }
 }
 
+/// A value as it is, or in short where it is long.
+pub fn shortened(value: &Value) -> Value {
+    if value.to_string().len() <= 200 {
+        value.clone()
+    } else {
+        Value::from(in_short(value))
+    }
+}
+
 /// A value in short: of an object what names it, if anything does.
 fn in_short(value: &Value) -> String {
     let naming = ["name", "method", "preset", "mode"];

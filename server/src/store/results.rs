@@ -61,6 +61,19 @@ impl Store {
             .transpose()
     }
 
+    /// Processor time a robot-step of a finished run, nanoseconds, where it is known.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn cost(&self, run: RunSeq) -> Result<Option<f64>, StoreError> {
+        Ok(self
+            .connection()
+            .prepare_cached("SELECT cpu_ns_per_robot_step FROM results WHERE run = ?1")?
+            .query_row([run], |row| row.get(0))
+            .optional()?
+            .flatten())
+    }
+
     /// Stores what a run found and makes it done, as one. Returns whether the run was still wanted:
     /// a run that was cancelled or deleted meanwhile stays so, and nothing is stored.
     ///

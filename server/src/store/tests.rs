@@ -23,6 +23,7 @@ fn new_run(id: &str) -> NewRun {
 
 fn new_job(ids: &[&str]) -> NewJob {
     NewJob {
+        design: String::new(),
         name: "a job".to_owned(),
         request: JobRequest::new(ids.concat().as_bytes(), None),
         runs: ids.iter().map(|id| new_run(id)).collect(),

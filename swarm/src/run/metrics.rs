@@ -43,6 +43,8 @@ pub struct Metrics {
     /// Counted steps after which 50, 90 and 99 % of the squares within reach had been entered;
     /// `None` for never.
     pub t_steps: [Option<u64>; 3],
+    /// Mean over the counted steps of the share of squares within reach that had been entered.
+    pub mean_coverage: f64,
     /// Robots among which the overlap was measured.
     pub overlap_robots: u32,
     /// Robots that would have made equal contributions of the same entropy: between 1 and N.
@@ -158,6 +160,18 @@ fn times(first_entry: &[u64], mask: &[bool], reachable: u32) -> [Option<u64>; 3]
     })
 }
 
+/// Mean over `steps` counted steps of the share of `reachable` squares that had been entered.
+fn mean_coverage(first_entries: impl Iterator<Item = u64>, reachable: u32, steps: u64) -> f64 {
+    if reachable == 0 || steps == 0 {
+        return 0.0;
+    }
+    let covered: f64 = first_entries
+        .filter(|&first| first > 0)
+        .map(|first| (steps + 1).saturating_sub(first) as f64)
+        .sum();
+    covered / steps as f64 / f64::from(reachable)
+}
+
 /// The row of a world at this moment.
 fn row(world: &World, mask: &[bool], reachable: u32, epoch: u32) -> MetricsRow {
     let state = world.state();
@@ -262,6 +276,8 @@ impl Run {
     pub(super) fn final_metrics(&self) -> Metrics {
         let reachable = self.reachable();
         let state = self.venues[TARGET].world.state();
+        let first_entry = state.tally.first_entry().iter().zip(&reachable.mask);
+        let inside = first_entry.filter(|&(_, &inside)| inside);
         let (contributors, _) = shares(state.bodies.iter().map(|body| body.first_entries));
         Metrics {
             last: self
@@ -270,6 +286,11 @@ impl Run {
                 .copied()
                 .unwrap_or_else(|| self.metrics_now()),
             t_steps: times(state.tally.first_entry(), &reachable.mask, reachable.count),
+            mean_coverage: mean_coverage(
+                inside.map(|(&first, _)| first),
+                reachable.count,
+                state.tally.steps(),
+            ),
             overlap_robots: state.tally.sampled() as u32,
             contributors,
         }
@@ -325,6 +346,14 @@ mod tests {
         first[9] = 100;
         assert_eq!(times(&first, &mask, 10), [Some(4), Some(8), Some(99)]);
         assert_eq!(times(&[], &[], 0), [None; 3]);
+    }
+
+    #[test]
+    fn mean_coverage_by_hand() {
+        // Four squares over ten steps: there from the start, after five, after ten, never.
+        let first = [1, 6, 11, 0];
+        assert_eq!(mean_coverage(first.into_iter(), 4, 10), (10.0 + 5.0) / 40.0);
+        assert_eq!(mean_coverage(first.into_iter(), 0, 10), 0.0);
     }
 
     #[test]
