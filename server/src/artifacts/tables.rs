@@ -6,6 +6,7 @@ use api::{ClusterCounts, Coverage, Fractions, Memory, MemoryPlan, RunResult, SCH
 use arenas::Arena;
 use swarm::run::{CurveRow, Outcome, counts_within};
 
+use super::metrics::swarm_metrics;
 use super::palette::STEPS;
 
 /// `result.json`.
@@ -21,6 +22,7 @@ pub fn run_result(outcome: &Outcome) -> RunResult {
         p10,
         reachable: outcome.reachable,
         fractions: fractions(outcome.coverage_reachable, outcome.reachable),
+        metrics: Some(swarm_metrics(&outcome.metrics)),
         steps: outcome.robot_steps,
         collisions: outcome.collisions,
         clusters: ClusterCounts {
@@ -61,22 +63,8 @@ pub fn memory_plan(plan: &swarm::memory::MemoryPlan) -> MemoryPlan {
     }
 }
 
-/// `robots.csv`: what each robot's learner held.
-pub fn robots_csv(outcome: &Outcome) -> String {
-    let mut text = String::from("robot,bytes,clusters_saturated\n");
-    for (robot, memory) in outcome.memory.iter().enumerate() {
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            text,
-            "{robot},{},{}",
-            memory.bytes, memory.clusters_saturated
-        );
-    }
-    text
-}
-
 /// Counts inside the reachable squares as shares of these.
-fn fractions(inside: [u32; STEPS.len()], reachable: u32) -> Fractions {
+pub(super) fn fractions(inside: [u32; STEPS.len()], reachable: u32) -> Fractions {
     let [p1, p2, p5, p10] = inside.map(|count| match reachable {
         0 => 0.0,
         _ => f64::from(count) / f64::from(reachable),
@@ -119,7 +107,7 @@ pub fn coverage_json(arena: &Arena, visits: &[u32], mask: &[bool]) -> Coverage {
         arena: arena.name().to_owned(),
         width_m: arena.width_m(),
         height_m: arena.height_m(),
-        squares: arena.squares(),
+        squares: arena.squares().into(),
         p1,
         p2,
         p5,
@@ -127,19 +115,19 @@ pub fn coverage_json(arena: &Arena, visits: &[u32], mask: &[bool]) -> Coverage {
         reachable,
         fractions: fractions(counts_within(visits, mask), reachable),
         visits: visits
-            .chunks(arena.squares().max(1) as usize)
+            .chunks(arena.squares()[0].max(1) as usize)
             .map(<[u32]>::to_vec)
             .collect(),
     }
 }
 
 /// One line a square that was entered: column, row (0 the lowest y), entries.
-pub fn coverage_csv(visits: &[u32], squares: u32) -> String {
+pub fn coverage_csv(visits: &[u32], columns: u32) -> String {
     let mut text = String::from("column,row,visits\n");
-    let squares = squares.max(1) as usize;
+    let columns = columns.max(1) as usize;
     for (place, count) in visits.iter().enumerate().filter(|(_, count)| **count > 0) {
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "{},{},{count}", place % squares, place / squares);
+        let _ = writeln!(text, "{},{},{count}", place % columns, place / columns);
     }
     text
 }

@@ -6,7 +6,7 @@ use std::fs;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use swarm::memory::MemoryPlan;
-use swarm::run::{CurveRow, Outcome, RobotMemory};
+use swarm::run::{CurveRow, MetricsLog, Outcome, RobotMemory};
 
 use super::*;
 use crate::spec::{self, BuiltinArenas, ResolvedRun};
@@ -33,6 +33,22 @@ fn visits_and_mask() -> (Vec<u32>, Vec<bool>) {
 
 fn outcome() -> Outcome {
     Outcome {
+        metrics: swarm::run::Metrics {
+            last: swarm::run::MetricsRow {
+                steps: 2_000,
+                epoch: 1,
+                entered: [40, 30, 24, 8],
+                entropy: 0.5,
+                overlap: None,
+                contribution_max: 1.0,
+                collisions: 7,
+                distance_m: 12.5,
+            },
+            t_steps: [Some(100), None, None],
+            mean_coverage: 0.25,
+            overlap_robots: 0,
+            contributors: 1.0,
+        },
         coverage: CurveRow {
             epoch: 2,
             p1: 46,
@@ -136,6 +152,7 @@ fn a_directory_holds_all_files_or_is_not_there() {
         outcome: &outcome,
         curve: &[],
         visits: &visits,
+        metrics: &MetricsLog::default(),
     };
     let timing = Timing {
         wall_s: 2.0,
@@ -157,7 +174,9 @@ fn a_directory_holds_all_files_or_is_not_there() {
     let files = [
         "coverage.png",
         "curve.csv",
+        "metrics.csv",
         "result.json",
+        "robots.csv",
         "spec.json",
         "timing.json",
         "visits.npy",

@@ -88,11 +88,13 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
         threads: rayon::current_num_threads(),
     };
     let visits = work.run.visits();
+    let metrics = work.run.metrics();
     let finished = Finished {
         spec: &spec,
         outcome: &outcome,
         curve: work.run.curve(),
         visits: &visits,
+        metrics: &metrics,
     };
     artifacts::write_directory(out, &finished, &timing)?;
     checkpoint.remove();

@@ -109,11 +109,11 @@ fn legend(out: &mut String, top: f64) {
 }
 
 /// One pixel a square, the highest y at the top.
-fn png(map: &Map, reachable: &[bool], squares: u32) -> Vec<u8> {
-    let per_side = squares.max(1) as usize;
+fn png(map: &Map, reachable: &[bool], [columns, rows]: [u32; 2]) -> Vec<u8> {
+    let across = columns.max(1) as usize;
     let mut rgb = Vec::with_capacity(3 * map.entered.len());
-    let rows = map.entered.chunks(per_side).zip(reachable.chunks(per_side));
-    for (entered, reachable) in rows.rev() {
+    let lines = map.entered.chunks(across).zip(reachable.chunks(across));
+    for (entered, reachable) in lines.rev() {
         for (&runs, &reachable) in entered.iter().zip(reachable) {
             rgb.extend(match (runs, reachable) {
                 (0, true) => NEVER,
@@ -123,7 +123,7 @@ fn png(map: &Map, reachable: &[bool], squares: u32) -> Vec<u8> {
         }
     }
     let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, squares, squares);
+    let mut encoder = png::Encoder::new(&mut bytes, columns, rows);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     // Writing to memory cannot fail, and the data has the announced size.
@@ -174,7 +174,7 @@ mod tests {
             entered: vec![3, 0, 0, 1],
             runs: 3,
         };
-        let bytes = png(&map, &[true, true, false, true], 2);
+        let bytes = png(&map, &[true, true, false, true], [2, 2]);
         let mut reader = png::Decoder::new(std::io::Cursor::new(bytes))
             .read_info()
             .unwrap();

@@ -8,8 +8,8 @@ use anyhow::{Context, bail, ensure};
 use api::RunResult;
 
 use super::plan::{Plan, PlannedRun};
-use super::statistics::{Summary, summary};
 use crate::artifacts;
+use crate::statistics::{Summary, summary};
 
 /// One finished run.
 #[derive(Clone, Debug)]
@@ -147,9 +147,9 @@ fn p1_by_epoch(text: &str) -> anyhow::Result<Vec<f64>> {
         .collect()
 }
 
-/// The numbers of a `visits.npy` that this program wrote for so many squares a side.
-fn read_visits(bytes: &[u8], squares: u32) -> Option<Vec<u32>> {
-    let count = squares as usize * squares as usize;
+/// The numbers of a `visits.npy` that this program wrote for so many columns and rows of squares.
+fn read_visits(bytes: &[u8], squares: [u32; 2]) -> Option<Vec<u32>> {
+    let count = squares[0] as usize * squares[1] as usize;
     let start = bytes.len().checked_sub(4 * count)?;
     let visits: Vec<u32> = bytes[start..]
         .chunks_exact(4)
@@ -174,6 +174,7 @@ pub(super) mod testing {
             method: method.to_owned(),
             seed,
             result: RunResult {
+                metrics: None,
                 schema: 1,
                 p1,
                 p2,
@@ -232,12 +233,12 @@ mod tests {
     #[test]
     fn visits_are_read_back() {
         let visits: Vec<u32> = (0..9).collect();
-        let mut bytes = artifacts::visits_npy(&visits, 3);
-        assert_eq!(read_visits(&bytes, 3), Some(visits));
-        assert_eq!(read_visits(&bytes[1..], 3), None);
-        assert_eq!(read_visits(&bytes, 4), None);
+        let mut bytes = artifacts::visits_npy(&visits, [3, 3]);
+        assert_eq!(read_visits(&bytes, [3, 3]), Some(visits));
+        assert_eq!(read_visits(&bytes[1..], [3, 3]), None);
+        assert_eq!(read_visits(&bytes, [4, 4]), None);
         bytes[0] = 0;
-        assert_eq!(read_visits(&bytes, 3), None);
+        assert_eq!(read_visits(&bytes, [3, 3]), None);
         assert_eq!(
             p1_by_epoch("epoch,p1,p2\n1,5,3\n2,7,4\n").unwrap(),
             [5.0, 7.0]

@@ -1,6 +1,7 @@
 //! A run: a spec brought to life, as a state machine stepped in blocks, saved and restored.
 
 mod learners;
+mod metrics;
 mod plan;
 mod snapshot;
 #[cfg(test)]
@@ -12,6 +13,7 @@ use std::sync::{Arc, OnceLock};
 use arenas::{Arena, Reachable};
 use sha2::{Digest, Sha256};
 
+pub use metrics::{Metrics, MetricsLog, MetricsRow, RobotMetrics, time_to_cover};
 pub use types::{CurveRow, Outcome, Phase, Progress, RestoreError, RobotMemory};
 
 use crate::memory::MemoryPlan;
@@ -45,6 +47,7 @@ pub struct Run {
     memory: MemoryPlan,
     learners: Learners,
     curve: Vec<CurveRow>,
+    metrics: Vec<MetricsRow>,
     /// Squares in reach, found when first asked for.
     reachable: OnceLock<Reachable>,
     /// Sensori-motor clusters that phase 1 ended with.
@@ -198,6 +201,7 @@ impl Run {
                 steps: 0,
             },
             curve: Vec::new(),
+            metrics: Vec::new(),
             sensori_motor_clusters: 0,
             memory,
             spec,
@@ -226,7 +230,8 @@ impl Run {
     pub fn advance(&mut self, max_steps: u64) -> Progress {
         let mut left = max_steps;
         while left > 0 && self.stage().is_some() {
-            let rest = u64::from(self.spec.steps_per_epoch - self.place.step);
+            let until = self.next_row();
+            let rest = u64::from(until - self.place.step);
             let steps = rest.min(left);
             let venue = self.venue();
             let Venue { world, radio, .. } = &mut self.venues[venue];
@@ -236,6 +241,8 @@ impl Run {
             left -= steps;
             if self.place.step == self.spec.steps_per_epoch {
                 self.end_epoch();
+            } else if self.place.step == until {
+                self.add_row();
             }
         }
         self.progress()
@@ -313,6 +320,7 @@ impl Run {
         self.place.epoch += 1;
         if stage.kind.counts() {
             self.curve.push(self.curve_row(self.place.epoch));
+            self.row_after_epoch();
         }
         if self.place.epoch < stage.epochs {
             self.begin_epoch();
@@ -424,6 +432,7 @@ impl Run {
         Some(Outcome {
             coverage: self.curve_row(self.spec.epochs),
             reachable: reachable.count,
+            metrics: self.final_metrics(),
             coverage_reachable: counts_within(&self.visits(), &reachable.mask),
             robot_steps: self.progress().robot_steps_done,
             collisions: self.venues[TARGET].world.state().collisions,

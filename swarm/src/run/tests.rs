@@ -400,3 +400,61 @@ fn on_line_all_phases_happen_in_one_arena_without_a_reset() {
     assert!(run.outcome().unwrap().coverage.p1 > 0);
     check_interrupted(&on_line, 97);
 }
+
+#[test]
+fn metrics_agree_with_visits_step_by_step() {
+    let spec = RunSpec {
+        epochs: 5,
+        steps_per_epoch: 40,
+        ..swarm(Method::Brownian, 3)
+    };
+    let mut run = Run::new(spec).unwrap();
+    let mask = run.reachable().mask.clone();
+    let reachable = run.reachable().count;
+    // The oracle: visits after every step.
+    let mut first = vec![0_u64; mask.len()];
+    let mut distance_m = 0.0;
+    let mut before: Vec<[f32; 2]> = run.robots().iter().map(|r| [r.x_m, r.y_m]).collect();
+    for step in 0..=200_u64 {
+        for (first, visits) in first.iter_mut().zip(run.visits()) {
+            if *first == 0 && visits > 0 {
+                *first = step + 1;
+            }
+        }
+        if step == 200 {
+            break;
+        }
+        run.advance(1);
+        let reset = (step + 1) % 40 == 0;
+        for (robot, before) in run.robots().iter().zip(&mut before) {
+            if !reset {
+                let way = [robot.x_m - before[0], robot.y_m - before[1]];
+                distance_m += f64::from((way[0] * way[0] + way[1] * way[1]).sqrt());
+            }
+            *before = [robot.x_m, robot.y_m];
+        }
+    }
+    let log = run.metrics();
+    for ((known, first), inside) in log.first_entry.iter().zip(&first).zip(&mask) {
+        assert_eq!(*known, if *inside { *first } else { 0 });
+    }
+    let metrics = run.outcome().unwrap().metrics;
+    assert_eq!(metrics.last, *log.rows.last().unwrap());
+    assert_eq!((metrics.last.steps, metrics.last.epoch), (200, 5));
+    assert_eq!(metrics.last.entered, counts_within(&run.visits(), &mask));
+    // The last step of each epoch is not seen from outside: robots are back at their starts.
+    assert!(metrics.last.distance_m > distance_m);
+    assert!(metrics.last.distance_m < 1.05 * distance_m, "{distance_m}");
+    let firsts: u32 = log.robots.iter().map(|robot| robot.first_entries).sum();
+    assert_eq!(
+        firsts as usize,
+        first.iter().filter(|&&first| first > 0).count()
+    );
+    assert_eq!(log.reachable, reachable);
+    // Nine tenths and the end of the first four epochs, and the fifth.
+    assert_eq!(log.rows.len(), 41);
+    assert!(log.rows.is_sorted_by_key(|row| (row.steps, row.entered)));
+    let overlap = metrics.last.overlap.unwrap();
+    assert!((0.0..=1.0).contains(&overlap));
+    assert!(metrics.contributors > 1.0 && metrics.contributors <= 3.0);
+}

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::Metrics;
 use crate::memory::MemoryPlan;
 use crate::named_choice;
 use crate::spec::FieldError;
@@ -61,6 +62,8 @@ pub struct Outcome {
     pub reachable: u32,
     /// Of these, the squares entered at least 1, 2, 5 and 10 times.
     pub coverage_reachable: [u32; 4],
+    /// Swarm metrics at the end.
+    pub metrics: Metrics,
     /// Robot-steps, uncounted phases included.
     pub robot_steps: u64,
     /// Robot-steps of the counted epochs that touched a wall or a robot.

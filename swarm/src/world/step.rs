@@ -4,9 +4,7 @@
 //! the order of robots cannot matter: where neighbours matter, they are taken in the order of their
 //! cells, which keeps what is read together in the cache.
 
-use arenas::index::grid_coordinate;
-
-use super::{Backend, World};
+use super::{Backend, World, WorldState};
 use crate::engine::Motor;
 use crate::lanes::F8;
 use crate::pilot::{Crew, Pilot};
@@ -115,10 +113,7 @@ impl World {
 
     #[inline(always)]
     pub(super) fn square_of(&self, x_m: f32, y_m: f32) -> u32 {
-        let last = (self.squares_per_side - 1) as f32;
-        let column = grid_coordinate(x_m, self.squares_per_m[0], last);
-        let row = grid_coordinate(y_m, self.squares_per_m[1], last);
-        row as u32 * self.squares_per_side + column as u32
+        self.grid.square_of(x_m, y_m)
     }
 
     #[inline(always)]
@@ -126,16 +121,33 @@ impl World {
         if !self.counting {
             return;
         }
-        for i in 0..self.state.bodies.len() {
-            let body = &self.state.bodies[i];
-            let square = self.square_of(body.x_m, body.y_m);
-            let entered = u32::from(square != body.square);
-            self.state.collisions += u64::from(body.touched);
-            self.state.bodies[i].square = square;
-            let visit = &mut self.state.visits[square as usize];
-            visit[0] = visit[0].saturating_add(entered);
-            visit[1] = visit[1].saturating_add(1);
+        let grid = self.grid;
+        let WorldState {
+            bodies,
+            visits,
+            tally,
+            collisions,
+            ..
+        } = &mut self.state;
+        tally.step();
+        for body in bodies.iter_mut() {
+            let square = grid.square_of(body.x_m, body.y_m);
+            let entered = square != body.square;
+            let (dx_m, dy_m) = (body.x_m - body.from_m[0], body.y_m - body.from_m[1]);
+            *collisions += u64::from(body.touched);
+            body.square = square;
+            body.distance_m += f64::from((dx_m * dx_m + dy_m * dy_m).sqrt());
+            let visit = &mut visits[square as usize];
+            visit[0] = visit[0].saturating_add(u32::from(entered));
+            // One test for both: the first step in the square, and the last that can be counted.
+            let steps = visit[1].wrapping_add(1);
+            if steps <= 1 {
+                tally.end_of_count(square, body, visit);
+            } else {
+                visit[1] = steps;
+            }
         }
+        tally.see(bodies);
     }
 
     #[inline(always)]
