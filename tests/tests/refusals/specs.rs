@@ -22,6 +22,7 @@ pub fn wrong_specs() -> Vec<Wrong> {
     let range = "a number out of range or a value of the wrong kind";
     let name = "an unknown arena, method, preset, engine or placement";
     let arena = "an arena with a wall outside it or a start inside a wall";
+    let tiles = "more tiles of an arena than fit, a wrong scale or doorway";
     let later = "memory budgets, sharing, recording (not built yet)";
     let room = |wall: Value, x_m: f64| {
         json!({
@@ -197,6 +198,20 @@ pub fn wrong_specs() -> Vec<Wrong> {
             room(json!([0.1, 0.1, 0.1]), 0.3),
             "/arena/walls_m/0",
             "",
+        ),
+        (
+            tiles,
+            "/arena",
+            json!({ "from": "easy", "tile": [11, 1] }),
+            "/arena/tile/0",
+            "11 columns",
+        ),
+        (
+            tiles,
+            "/arena",
+            json!({ "from": "easy", "tile": [2, 1], "doorway_m": 2 }),
+            "/arena/doorway_m",
+            "out of range",
         ),
         (
             "more robots than the arena has start poses",
