@@ -13,8 +13,8 @@ fn a_job_over_robots_is_summed_up() {
     let job = server.submit(&json!({
         "name": "density kept",
         "base": {
-            "arena": { "from": "easy", "squares": 20 }, "controller": { "method": "brownian" },
-            "epochs": 5, "steps_per_epoch": 2_000, "episodes": "continue"
+            "arena": { "from": "easy", "squares": 10 }, "controller": { "method": "brownian" },
+            "epochs": 60, "steps_per_epoch": 2_000, "episodes": "continue"
         },
         "matrix": { "robots+arena.tile": [[1, [1, 1]], [2, [2, 1]], [4, [2, 2]]] },
         "seeds": { "first": 1, "count": 3 }
@@ -26,7 +26,7 @@ fn a_job_over_robots_is_summed_up() {
         let metrics: Metrics = server.read(&format!("/v1/runs/{}/metrics", run.id));
         let swarm = result.metrics.unwrap();
         let last = metrics.rows.last().unwrap();
-        assert_eq!((last.steps, last.fractions), (10_000, result.fractions));
+        assert_eq!((last.steps, last.fractions), (120_000, result.fractions));
         // The time to half of the squares lies between the rows before and after.
         let reached = metrics.rows.iter().find(|row| row.fractions.p1 >= 0.5);
         match (swarm.t50_steps, reached) {
