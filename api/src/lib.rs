@@ -15,7 +15,7 @@ pub use catalog::{
 };
 pub use job::{Job, JobPage, RunCounts, RunPage, RunSummary};
 pub use problem::{FieldError, Problem};
-pub use result::{ClusterCounts, Coverage, CurveRow, Fractions, RunResult};
+pub use result::{ClusterCounts, Coverage, CurveRow, Fractions, ModelAccuracy, RunResult};
 pub use spec::{
     ArenaRef, ControllerSpec, JobSpec, RecordSpec, RobotSpec, RunSpec, SCHEMA, Seeds, SharingSpec,
     TrainSpec,

@@ -23,6 +23,8 @@ pub enum Purpose {
     Clustering = 6,
     /// Random start poses.
     Placement = 7,
+    /// Random actions of the reference that model accuracy is measured against.
+    Reference = 8,
 }
 
 /// Which arena of a run a stream belongs to. The numbers are part of every result.

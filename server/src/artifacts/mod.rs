@@ -14,6 +14,7 @@ mod vector;
 
 pub use directory::{Finished, WriteError, is_complete, write_directory};
 pub use npy::visits_npy;
+pub use raster::png_of_rgb;
 pub use tables::{coverage_csv, coverage_json, curve_csv, run_result};
 pub use timing::{Timing, process_cpu_s, thread_cpu_s};
 

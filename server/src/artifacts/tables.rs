@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use api::{ClusterCounts, Coverage, Fractions, RunResult, SCHEMA};
+use api::{ClusterCounts, Coverage, Fractions, ModelAccuracy, RunResult, SCHEMA};
 use arenas::Arena;
 use swarm::run::{CurveRow, Outcome, counts_within};
 
@@ -28,6 +28,10 @@ pub fn run_result(outcome: &Outcome) -> RunResult {
             actuator: outcome.actuator_clusters,
             sensori_motor: outcome.sensori_motor_clusters,
         },
+        model: outcome.model.map(|model| ModelAccuracy {
+            divergence_nats: model.sum_nats,
+            pairs: model.pairs,
+        }),
         bytes: outcome.bytes,
         state_sha256: outcome.state_sha256.clone(),
     }

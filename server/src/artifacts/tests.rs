@@ -46,6 +46,7 @@ fn outcome() -> Outcome {
         sensor_clusters: 3,
         actuator_clusters: 4,
         sensori_motor_clusters: 5,
+        model: None,
         bytes: 678,
         state_sha256: "ab".to_owned(),
     }

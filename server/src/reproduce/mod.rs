@@ -6,6 +6,7 @@ mod bootstrap;
 mod claims;
 mod curves;
 mod document;
+mod engines;
 mod far_chamber;
 mod maps;
 mod plan;

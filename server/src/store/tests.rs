@@ -57,6 +57,7 @@ fn finished() -> Finished {
         steps: 1_234,
         collisions: 5,
         clusters: api::ClusterCounts::default(),
+        model: None,
         bytes: 99,
         state_sha256: "00".repeat(32),
     };

@@ -10,7 +10,7 @@ use crate::learn::kmeans::kmeans;
 use crate::learn::repository::Repository;
 use crate::pilot::Pilot;
 use crate::random::{Stream, below, draw};
-use crate::spec::ControllerParameters;
+use crate::spec::{ControllerParameters, Ties};
 
 /// A robot that explores by its transition table.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -19,6 +19,7 @@ pub struct Explorer {
     /// eta on a scale of 2^16.
     eta: u32,
     hold_steps: u32,
+    ties: Ties,
     scaling: Scaling,
     states: Centres<8>,
     actions: Centres<2>,
@@ -53,6 +54,7 @@ impl Explorer {
             key,
             eta: (p.eta * 65_536.0).round() as u32,
             hold_steps: p.action_hold_steps,
+            ties: p.ties,
             scaling: Scaling::new(p.sensor_scale),
             states,
             actions,
@@ -85,9 +87,36 @@ impl Explorer {
         self.state = next;
     }
 
+    /// The action with the highest score (eq. 4.9), one of several by the rule for ties.
+    #[inline(always)]
+    fn best_action(&self, bits: u32) -> u32 {
+        let (table, state) = (&self.repository, self.state);
+        let first = table.best_action(state);
+        if self.ties == Ties::First {
+            return first;
+        }
+        let highest = table.score(state, first);
+        if self.ties == Ties::Keep && table.score(state, self.action) == highest {
+            return self.action;
+        }
+        let tied = || (first..table.actions()).filter(|j| table.score(state, *j) == highest);
+        let place = below(bits, tied().count() as u32);
+        tied().nth(place as usize).unwrap_or(first)
+    }
+
     /// The transition table.
     pub fn repository(&self) -> &Repository {
         &self.repository
+    }
+
+    /// The state that raw sensor values belong to.
+    pub(super) fn state_of(&self, raw: &F8) -> u32 {
+        self.states.nearest(&self.scaling.apply(raw)).0
+    }
+
+    /// A command of an action, chosen by 32 uniform bits.
+    pub(super) fn command_of(&self, action: u32, bits: u32) -> [f32; 2] {
+        self.samples.draw(action, bits)
     }
 
     /// States and actions.
@@ -120,7 +149,7 @@ impl Pilot for Explorer {
         } else if eta_bits < self.eta {
             below(action_bits, self.repository.actions())
         } else {
-            self.repository.best_action(self.state)
+            self.best_action(action_bits)
         };
         self.action = action;
         self.held_steps = self.hold_steps - 1;

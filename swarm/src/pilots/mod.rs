@@ -4,12 +4,14 @@ mod babbler;
 mod brownian;
 mod crawler;
 mod explorer;
+mod reference;
 mod replayer;
 
 pub use babbler::Babbler;
 pub use brownian::Brownian;
 pub use crawler::{Crawler, Watch};
 pub use explorer::Explorer;
+pub use reference::Reference;
 pub use replayer::Replayer;
 
 use serde::{Deserialize, Serialize};

@@ -181,6 +181,14 @@ impl Learners {
         clusters.unwrap_or((0, 0))
     }
 
+    /// The first robot's explorer, if it is one.
+    pub fn explorer(&self) -> Option<&Explorer> {
+        match self {
+            Learners::Explorers(pilots) => pilots.first(),
+            _ => None,
+        }
+    }
+
     /// Pilots.
     pub fn len(&self) -> usize {
         match self {

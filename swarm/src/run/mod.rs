@@ -1,6 +1,7 @@
 //! A run: a spec brought to life, as a state machine stepped in blocks, saved and restored.
 
 mod learners;
+mod model;
 mod plan;
 mod snapshot;
 #[cfg(test)]
@@ -396,6 +397,7 @@ impl Run {
                 .learners
                 .sensori_motor_clusters()
                 .unwrap_or(self.sensori_motor_clusters),
+            model: self.model_accuracy(),
             bytes: self.bytes(),
             state_sha256: hex(&Sha256::digest(self.snapshot())),
         })
