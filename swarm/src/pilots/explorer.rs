@@ -173,3 +173,53 @@ impl Pilot for Explorer {
         self.repository.expect_record(self.state, self.action);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::{Purpose, Site, stream_key};
+
+    /// An explorer with one state and some actions, each tried alike: all scores are the same.
+    fn explorer(ties: Ties) -> Explorer {
+        let parameters = ControllerParameters {
+            ties,
+            lambda: 2,
+            eta: 0.0,
+            ..Default::default()
+        };
+        let key = stream_key(1, Site::Target, 0, Purpose::Action);
+        let mut watch = Watch::new(&parameters, Stream::new(1));
+        for n in 0..400_u32 {
+            let command = [(n % 3) as f32 - 1.0, (n / 3 % 3) as f32 - 1.0];
+            watch.observe(&[-1.0; 8], command);
+        }
+        let mut explorer = Explorer::new(&parameters, key, &watch, &mut Stream::new(2));
+        for action in 0..explorer.clusters().1 {
+            for _ in 0..parameters.lambda {
+                explorer.repository.record(0, action, 0);
+            }
+        }
+        explorer
+    }
+
+    /// Actions of some steps in which nothing changes.
+    fn actions(ties: Ties) -> Vec<u32> {
+        let mut explorer = explorer(ties);
+        let act = |step| {
+            explorer.act(step, &F8::splat(0.0));
+            explorer.action
+        };
+        (0..200).map(act).collect()
+    }
+
+    #[test]
+    fn ties_are_settled_by_the_rule() {
+        assert!(actions(Ties::First).iter().all(|action| *action == 0));
+        let kept = actions(Ties::Keep);
+        assert!(kept.iter().all(|action| *action == kept[0]));
+        let random = actions(Ties::Random);
+        for action in 0..explorer(Ties::Random).clusters().1 {
+            assert!(random.contains(&action), "{action} never taken");
+        }
+    }
+}
