@@ -185,8 +185,9 @@ pub fn model_accuracy(plan: &Plan, findings: &Findings) -> Vec<Block> {
             caption: "Kullback-Leibler divergence of the final transition table from a reference, \
                       in nats a pair of state and action that the table knows: mean ± standard \
                       deviation (median) over runs, smaller is better. The reference has the same \
-                      states and actions, and counts 200,000 steps of uniformly random actions in \
-                      the target arena (0.5 added to each count). The thesis defines the measure \
+                      states and actions, and counts 200,000 steps (no more than the run itself \
+                      counts) of uniformly random actions in the target arena (0.5 added to each \
+                      count). The thesis defines the measure \
                       in section 4.3.4 and publishes no figures of it."
                 .to_owned(),
             head,

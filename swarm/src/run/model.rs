@@ -7,7 +7,8 @@ use crate::pilots::Reference;
 use crate::random::{Purpose, Site, stream_key};
 use crate::world::World;
 
-/// Steps of random actions that the reference is estimated from: a hundred epochs of the thesis.
+/// Most steps of random actions that the reference is estimated from, a hundred epochs of the thesis;
+/// a run that counts fewer steps has a reference of as many.
 const REFERENCE_STEPS: u64 = 200_000;
 /// Added to every count of the reference (Jeffreys): a transition that it has not seen is rare, not
 /// impossible.
@@ -30,7 +31,8 @@ impl Run {
         );
         let key = stream_key(spec.seed, Site::Target, 0, Purpose::Reference);
         let mut pilots = [Reference::new(learner, key)];
-        let mut left = REFERENCE_STEPS;
+        let counted = u64::from(spec.epochs) * u64::from(spec.steps_per_epoch);
+        let mut left = REFERENCE_STEPS.min(counted);
         while left > 0 {
             world.reset();
             pilots[0].begin_trajectory(&F8(world.state().bodies[0].sensors));
