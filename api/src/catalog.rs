@@ -18,8 +18,8 @@ pub struct ArenaListing {
     pub walls: u64,
     /// Start poses.
     pub starts: u64,
-    /// Rows, and columns, that visits are counted in.
-    pub squares: u32,
+    /// Columns and rows that visits are counted in.
+    pub squares: crate::Squares,
     /// Squares that a robot of the default preset can reach from the first start pose.
     pub reachable: u32,
 }

@@ -9,15 +9,20 @@ pub mod problem;
 pub mod result;
 pub mod spec;
 pub mod state;
+pub mod summary;
 
 pub use catalog::{
     ArenaListing, ControllerListing, MethodListing, ParameterListing, TemplateListing,
 };
 pub use job::{Job, JobPage, RunCounts, RunPage, RunSummary};
 pub use problem::{FieldError, Problem};
-pub use result::{ClusterCounts, Coverage, CurveRow, Fractions, ModelAccuracy, RunResult};
+pub use result::{
+    ClusterCounts, Coverage, CurveRow, Fractions, Memory, MemoryPlan, Metrics, MetricsRow,
+    ModelAccuracy, RunResult, Squares, SwarmMetrics,
+};
 pub use spec::{
     ArenaRef, ControllerSpec, JobSpec, RecordSpec, RobotSpec, RunSpec, SCHEMA, Seeds, SharingSpec,
     TrainSpec,
 };
 pub use state::{Progress, State};
+pub use summary::JobSummary;

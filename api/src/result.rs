@@ -53,6 +53,101 @@ pub struct ModelAccuracy {
     pub pairs: u32,
 }
 
+/// What each robot's learner may hold: caps of everything that grows.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MemoryPlan {
+    /// States.
+    pub sensor_clusters: u32,
+    /// Actions.
+    pub actuator_clusters: u32,
+    /// Clusters that sensori-motor objectives are computed over.
+    pub sensori_motor_clusters: u32,
+    /// Vectors of the sample that k-means runs over.
+    pub sample: u32,
+    /// Commands kept for each action.
+    pub actuator_sample: u32,
+    /// Length of each list of next states.
+    pub lambda: u32,
+    /// Genomes of phase 1 that are kept for phase 2.
+    pub genomes: u32,
+    /// Most bytes that a robot holds at any moment under these caps.
+    pub bytes: u64,
+}
+
+/// What the robots' learners held when the run ended.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Memory {
+    /// What each could hold; without a budget what the parameters say.
+    pub plan: MemoryPlan,
+    /// Bytes of the robot that held the most.
+    pub most_bytes: u64,
+    /// Bytes of the robot that held the least.
+    pub least_bytes: u64,
+    /// Vectors, of all robots, that found no room for a cluster of their own.
+    pub clusters_saturated: u64,
+    /// Robots with such vectors.
+    pub robots_saturated: u32,
+}
+
+/// How the robots of a run covered their arena; formulas in `docs/metrics.md`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SwarmMetrics {
+    /// Counted steps after which half of the reachable squares had been entered; null for never.
+    pub t50_steps: Option<u64>,
+    /// After which 90 % had.
+    pub t90_steps: Option<u64>,
+    /// After which 99 % had.
+    pub t99_steps: Option<u64>,
+    /// Mean over the counted steps of the share of reachable squares that had been entered.
+    pub mean_coverage: f64,
+    /// Entropy of the entries over the reachable squares as a share of the greatest, 0 to 1.
+    pub entropy: f64,
+    /// How much of what a robot visits another visits too, 0 to 1; null for one robot.
+    pub overlap: Option<f64>,
+    /// Robots among which the overlap was measured.
+    pub overlap_robots: u32,
+    /// Greatest share of the first entries that one robot has.
+    pub contribution_max: f64,
+    /// Robots that would have made equal contributions of the same entropy, 1 to N.
+    pub contributors: f64,
+    /// Way driven by all robots together, metres.
+    pub distance_m: f64,
+}
+
+/// The swarm after some counted steps.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MetricsRow {
+    /// Counted steps of the arena that are done.
+    pub steps: u64,
+    /// The same in simulated seconds.
+    pub time_s: f64,
+    /// Counted epochs that are complete.
+    pub epoch: u32,
+    /// Shares of the reachable squares that were entered at least 1, 2, 5 and 10 times.
+    pub fractions: Fractions,
+    /// As in [`SwarmMetrics`].
+    pub entropy: f64,
+    /// As in [`SwarmMetrics`].
+    pub overlap: Option<f64>,
+    /// As in [`SwarmMetrics`].
+    pub contribution_max: f64,
+    /// Robot-steps that touched a wall or a robot.
+    pub collisions: u64,
+    /// As in [`SwarmMetrics`].
+    pub distance_m: f64,
+}
+
+/// The metrics of a run over time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Metrics {
+    /// Version of this format.
+    pub schema: u32,
+    /// Squares that a robot of this size can reach from the first start pose.
+    pub reachable: u32,
+    /// In order of time.
+    pub rows: Vec<MetricsRow>,
+}
+
 /// `result.json`: what a finished run has to say; nothing about time or machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunResult {
@@ -70,6 +165,9 @@ pub struct RunResult {
     pub reachable: u32,
     /// The four counts inside the reachable squares, as shares of `reachable`.
     pub fractions: Fractions,
+    /// Swarm metrics at the end; null in results of versions that had none.
+    #[serde(default)]
+    pub metrics: Option<SwarmMetrics>,
     /// Robot-steps, uncounted phases included.
     pub steps: u64,
     /// Robot-steps of the counted epochs that touched a wall or a robot.
@@ -81,8 +179,31 @@ pub struct RunResult {
     pub model: Option<ModelAccuracy>,
     /// Bytes that the run holds, exactly counted.
     pub bytes: u64,
+    /// What the robots' learners held.
+    pub memory: Memory,
     /// SHA-256 of the final snapshot, in hex.
     pub state_sha256: String,
+}
+
+/// How many squares an arena has: one number where rows and columns are as many, else
+/// `[columns, rows]`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Squares {
+    /// As many in a row as in a column.
+    Side(u32),
+    /// Columns and rows.
+    Sides([u32; 2]),
+}
+
+impl From<[u32; 2]> for Squares {
+    fn from(sides: [u32; 2]) -> Self {
+        if sides[0] == sides[1] {
+            Self::Side(sides[0])
+        } else {
+            Self::Sides(sides)
+        }
+    }
 }
 
 /// Coverage as JSON: entries counted a square.
@@ -96,8 +217,8 @@ pub struct Coverage {
     pub width_m: f64,
     /// Metres from bottom to top.
     pub height_m: f64,
-    /// Rows, and columns.
-    pub squares: u32,
+    /// Columns and rows.
+    pub squares: Squares,
     /// Squares entered at least once.
     pub p1: u32,
     /// At least twice.

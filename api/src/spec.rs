@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
 
 /// Version of the run spec, the job spec and the files that a run writes.
@@ -113,9 +113,25 @@ pub struct RobotSpec {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SharingSpec {
-    /// `none`.
+    /// `none`, `arena` or `radio`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mode: Option<String>,
+    /// Greatest distance between two robots that hear each other, metres, null for no limit; with
+    /// `radio` alone.
+    #[serde(
+        default,
+        skip_serializing_if = "Option::is_none",
+        deserialize_with = "present"
+    )]
+    pub range_m: Option<Option<f64>>,
+    /// Bytes that a robot may tell in a step; with `radio` alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bytes_per_step: Option<u32>,
+}
+
+/// A field that is present, null included.
+fn present<'de, D: Deserializer<'de>>(value: D) -> Result<Option<Option<f64>>, D::Error> {
+    Option::<f64>::deserialize(value).map(Some)
 }
 
 /// What a run records.

@@ -68,7 +68,7 @@ pub struct Arena {
     height_m: f64,
     walls: Vec<Segment>,
     starts: Vec<Pose>,
-    squares: u32,
+    squares: [u32; 2],
 }
 
 impl Arena {
@@ -79,7 +79,7 @@ impl Arena {
         [width_m, height_m]: [f64; 2],
         mut walls: Vec<Segment>,
         mut starts: Vec<Pose>,
-        squares: u32,
+        squares: [u32; 2],
     ) -> Self {
         for wall in &mut walls {
             for point in [&mut wall.a, &mut wall.b] {
@@ -143,8 +143,8 @@ impl Arena {
         &self.starts
     }
 
-    /// Squares along each side: the grid is `squares` x `squares` over the whole rectangle.
-    pub fn squares(&self) -> u32 {
+    /// Columns and rows of the grid of squares over the whole rectangle.
+    pub fn squares(&self) -> [u32; 2] {
         self.squares
     }
 
@@ -152,8 +152,8 @@ impl Arena {
     /// is a run in the other. The name does not take part; the order of the walls and starts does,
     /// because it decides the order of sums and which robot starts where.
     ///
-    /// Layout, little endian: the tag `evswarm-arena-1`, then `squares` (u32), width and height
-    /// (f64), the number of walls (u64) and x1, y1, x2, y2 of each (f64), the number of starts
+    /// Layout, little endian: the tag `evswarm-arena-1` and the squares along each side (u32) or,
+    /// where they differ, `evswarm-arena-2` and columns and rows (u32), then width and height (f64), the number of walls (u64) and x1, y1, x2, y2 of each (f64), the number of starts
     /// (u64) and x, y, heading of each (f64).
     pub fn content_key(&self) -> Vec<u8> {
         let mut key = Vec::with_capacity(64 + 32 * self.walls.len() + 24 * self.starts.len());
@@ -162,8 +162,14 @@ impl Arena {
                 key.extend_from_slice(&value.to_le_bytes());
             }
         };
-        key.extend_from_slice(b"evswarm-arena-1");
-        key.extend_from_slice(&self.squares.to_le_bytes());
+        let [columns, rows] = self.squares;
+        if columns == rows {
+            key.extend_from_slice(b"evswarm-arena-1");
+        } else {
+            key.extend_from_slice(b"evswarm-arena-2");
+            key.extend_from_slice(&columns.to_le_bytes());
+        }
+        key.extend_from_slice(&rows.to_le_bytes());
         put(&mut key, &[self.width_m, self.height_m]);
         key.extend_from_slice(&(self.walls.len() as u64).to_le_bytes());
         for wall in &self.walls {

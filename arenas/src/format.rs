@@ -11,6 +11,39 @@ use crate::validate;
 /// Squares along each side if the arena does not say.
 pub const DEFAULT_SQUARES: u32 = 100;
 
+/// How many squares an arena has: along each side, or in a row and in a column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "a whole number of squares along each side, or [columns, rows]"
+)]
+pub enum SquaresFormat {
+    /// As many in a row as in a column.
+    Side(u32),
+    /// Columns and rows.
+    Sides([u32; 2]),
+}
+
+impl SquaresFormat {
+    /// Columns and rows.
+    pub fn sides(self) -> [u32; 2] {
+        match self {
+            Self::Side(side) => [side, side],
+            Self::Sides(sides) => sides,
+        }
+    }
+}
+
+impl From<[u32; 2]> for SquaresFormat {
+    fn from(sides: [u32; 2]) -> Self {
+        if sides[0] == sides[1] {
+            Self::Side(sides[0])
+        } else {
+            Self::Sides(sides)
+        }
+    }
+}
+
 /// An arena as written: in a file, an upload or inline in a run.
 ///
 /// Every field is optional here so that [`ArenaFormat::build`] can report all that is missing or
@@ -24,7 +57,7 @@ pub const DEFAULT_SQUARES: u32 = 100;
 ///     "starts": [{ "x_m": 0.1, "y_m": 0.1, "heading_rad": 0.0 }]
 /// }"#).unwrap();
 /// assert_eq!(arena.walls().len(), 1);
-/// assert_eq!(arena.squares(), 100);
+/// assert_eq!(arena.squares(), [100, 100]);
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -38,9 +71,9 @@ pub struct ArenaFormat {
     /// Extent along y, metres, 0.1 to 1000.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height_m: Option<f64>,
-    /// Squares along each side, 1 to 1000; 100 if left out.
+    /// Squares along each side, or [columns, rows], 1 to 1000; 100 if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub squares: Option<u32>,
+    pub squares: Option<SquaresFormat>,
     /// Inner walls: x1, y1, x2, y2 in metres from the lower left corner, y up.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub walls_m: Option<Vec<[f64; 4]>>,
@@ -70,7 +103,9 @@ impl ArenaFormat {
         let size_m = width_m
             .zip(height_m)
             .map(|(width_m, height_m)| [width_m, height_m]);
-        let squares = self.squares.unwrap_or(DEFAULT_SQUARES);
+        let squares = self
+            .squares
+            .map_or([DEFAULT_SQUARES; 2], SquaresFormat::sides);
         errors.extend(validate::squares(squares));
 
         let mut generator = None;
@@ -145,7 +180,7 @@ impl Arena {
             name: Some(self.name().to_owned()),
             width_m: Some(self.width_m()),
             height_m: Some(self.height_m()),
-            squares: Some(self.squares()),
+            squares: Some(self.squares().into()),
             walls_m: Some(
                 self.walls()
                     .iter()

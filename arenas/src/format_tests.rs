@@ -43,7 +43,7 @@ fn good_arena_and_what_it_may_leave_out() {
     let arena = Arena::from_json(&good().to_string()).unwrap();
     assert_eq!(
         (arena.name(), arena.squares(), arena.starts().len()),
-        ("two-rooms", 100, 1)
+        ("two-rooms", [100, 100], 1)
     );
     assert_eq!(arena.to_format().build().unwrap(), arena);
     check("squares", json!(1), &[]);
@@ -73,6 +73,9 @@ fn sizes_and_squares() {
     check("squares", json!(1001), &["/squares"]);
     check("squares", json!(-1), &["/squares"]);
     check("squares", json!(1.5), &["/squares"]);
+    check("squares", json!([200, 100]), &[]);
+    check("squares", json!([200, 1001]), &["/squares"]);
+    check("squares", json!([1, 2, 3]), &["/squares"]);
 }
 
 #[test]
@@ -393,7 +396,7 @@ proptest! {
                 name: Some("a".to_owned()),
                 width_m: Some(size_m[0]),
                 height_m: Some(size_m[1]),
-                squares: Some(1 + squares % 200),
+                squares: Some(crate::SquaresFormat::Sides([1 + squares % 200, 1 + squares / 7 % 200])),
                 walls_m: Some(walls_m),
                 starts: Some(vec![Pose { x_m: pose[0], y_m: pose[1], heading_rad: pose[2] }]),
                 ..ArenaFormat::default()

@@ -5,6 +5,7 @@
 //! |---|---|---|
 //! | JSON | a valid [`Arena`], or all that is wrong with it | [`Arena::from_json`], [`ArenaFormat::build`] |
 //! | a name | a built-in arena | [`builtin()`], [`builtin_names`] |
+//! | an arena | many of it side by side, larger or smaller | [`Arena::tiled`] |
 //! | a seed | a maze, rooms, corridors or obstacles | [`GenerateFormat`] in [`ArenaFormat`] |
 //! | an arena and a body radius | starts that overlap a wall | [`Arena::check_starts`] |
 //! | the same and a start | the squares within reach | [`reachable()`] |
@@ -41,16 +42,18 @@ mod reachable;
 mod squares;
 mod starts;
 mod svg;
+mod tile;
 mod validate;
 
 pub use arena::{Arena, Pose, Segment};
 pub use builtin::{builtin, builtin_names};
 pub use error::ArenaError;
-pub use format::{ArenaFormat, DEFAULT_SQUARES};
+pub use format::{ArenaFormat, DEFAULT_SQUARES, SquaresFormat};
 pub use generate::{GenerateFormat, GeneratorKind, ObstacleShape, Parameter};
 pub use reachable::{Reachable, reachable};
 pub use squares::Squares;
 pub use svg::{SvgOptions, render_svg};
+pub use tile::Tiling;
 pub use validate::{
     MAX_STARTS, MAX_WALLS, MIN_WALL_LENGTH_M, SIDE_RANGE_M, SQUARES_RANGE, WALL_TOLERANCE_M,
 };

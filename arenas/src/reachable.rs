@@ -19,7 +19,7 @@ const POINTS_PER_SIDE: u32 = 6;
 /// What a robot can reach in an arena.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reachable {
-    /// Whether each square can be reached, `squares` x `squares`, row 0 the lowest y.
+    /// Whether each square can be reached, row by row, row 0 the lowest y.
     pub mask: Vec<bool>,
     /// Squares that can be reached.
     pub count: u32,
@@ -78,8 +78,8 @@ struct Tree {
     /// Levels below the root, and below a square.
     levels: u32,
     levels_in_square: u32,
-    /// Squares along a side.
-    per_side: u32,
+    /// Squares in a row and in a column.
+    squares: [u32; 2],
     /// Width and height of the smallest cell.
     cell_m: [f64; 2],
 }
@@ -109,8 +109,8 @@ impl Tree {
         {
             levels_in_square += 1;
         }
-        let per_side = squares.per_side();
-        let levels = per_side.next_power_of_two().ilog2() + levels_in_square;
+        let across = squares.columns().max(squares.rows());
+        let levels = across.next_power_of_two().ilog2() + levels_in_square;
         let cells = f64::from(1u32 << levels_in_square);
         let near: Vec<u32> = (0..walls.len() as u32).collect();
         let wall_count = near.len();
@@ -122,7 +122,7 @@ impl Tree {
             radius_m,
             levels,
             levels_in_square,
-            per_side,
+            squares: [squares.columns(), squares.rows()],
             cell_m: [square_width_m / cells, square_height_m / cells],
         };
         tree.refine(ROOT, [0, 0], levels, 0..wall_count);
@@ -138,8 +138,8 @@ impl Tree {
         level: u32,
         candidates: std::ops::Range<usize>,
     ) {
-        let arena_cells = self.per_side << self.levels_in_square;
-        if corner[0] >= arena_cells || corner[1] >= arena_cells {
+        let cells = self.squares.map(|side| side << self.levels_in_square);
+        if corner[0] >= cells[0] || corner[1] >= cells[1] {
             return;
         }
         let half = 0.5 * f64::from(1u32 << level);
@@ -308,8 +308,10 @@ impl Tree {
 
     /// Free leaf at a place given in cells.
     fn free_leaf_at(&self, [x, y]: [f64; 2]) -> Option<u32> {
-        let cells = f64::from(self.per_side << self.levels_in_square);
-        if !(0.0..cells).contains(&x) || !(0.0..cells).contains(&y) {
+        let [columns, rows] = self
+            .squares
+            .map(|side| f64::from(side << self.levels_in_square));
+        if !(0.0..columns).contains(&x) || !(0.0..rows).contains(&y) {
             return None;
         }
         let (x, y) = (x as u32, y as u32);
@@ -357,7 +359,7 @@ impl Tree {
                     let [column, row] = corner.map(|cell| cell >> self.levels_in_square);
                     let wide = 1 << level.saturating_sub(self.levels_in_square);
                     for row in row..row + wide {
-                        let first = (row * self.per_side + column) as usize;
+                        let first = (row * self.squares[0] + column) as usize;
                         mask[first..first + wide as usize].fill(true);
                     }
                 }

@@ -4,11 +4,13 @@ use nalgebra::Point2;
 
 use crate::arena::Arena;
 
-/// `per_side` x `per_side` equal squares (rectangles, if the arena is none) over a rectangle.
-/// A square is named by its index, row by row from the lowest y, each row from the lowest x.
+/// `columns` x `rows` equal squares (rectangles, if the arena's sides are not in that proportion)
+/// over a rectangle. A square is named by its index, row by row from the lowest y, each row from the
+/// lowest x.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Squares {
-    per_side: u32,
+    columns: u32,
+    rows: u32,
     width_m: f64,
     height_m: f64,
     columns_per_m: f64,
@@ -18,30 +20,38 @@ pub struct Squares {
 impl Squares {
     /// The grid of `arena`.
     pub fn of(arena: &Arena) -> Self {
-        let per_side = arena.squares();
+        let [columns, rows] = arena.squares();
         Self {
-            per_side,
+            columns,
+            rows,
             width_m: arena.width_m(),
             height_m: arena.height_m(),
-            columns_per_m: f64::from(per_side) / arena.width_m(),
-            rows_per_m: f64::from(per_side) / arena.height_m(),
+            columns_per_m: f64::from(columns) / arena.width_m(),
+            rows_per_m: f64::from(rows) / arena.height_m(),
         }
     }
 
-    /// Squares along each side.
-    pub fn per_side(&self) -> u32 {
-        self.per_side
+    /// Squares in a row.
+    pub fn columns(&self) -> u32 {
+        self.columns
     }
 
-    /// Squares in all: `per_side` squared.
+    /// Squares in a column.
+    pub fn rows(&self) -> u32 {
+        self.rows
+    }
+
+    /// Squares in all.
     pub fn count(&self) -> usize {
-        self.per_side as usize * self.per_side as usize
+        self.columns as usize * self.rows as usize
     }
 
     /// Extent of one square along x and y, metres.
     pub fn size_m(&self) -> [f64; 2] {
-        let per_side = f64::from(self.per_side);
-        [self.width_m / per_side, self.height_m / per_side]
+        [
+            self.width_m / f64::from(self.columns),
+            self.height_m / f64::from(self.rows),
+        ]
     }
 
     /// Index of the square that holds a point, metres. A point on a line between two squares is in
@@ -49,9 +59,9 @@ impl Squares {
     #[inline]
     pub fn square_of(&self, x_m: f64, y_m: f64) -> usize {
         // A cast of a negative number, or of none, gives 0.
-        let column = ((x_m * self.columns_per_m) as u32).min(self.per_side - 1);
-        let row = ((y_m * self.rows_per_m) as u32).min(self.per_side - 1);
-        row as usize * self.per_side as usize + column as usize
+        let column = ((x_m * self.columns_per_m) as u32).min(self.columns - 1);
+        let row = ((y_m * self.rows_per_m) as u32).min(self.rows - 1);
+        row as usize * self.columns as usize + column as usize
     }
 
     /// Centre of a square, metres.
@@ -62,14 +72,14 @@ impl Squares {
 
     /// Lower left and upper right corner of a square, metres.
     pub fn corners(&self, square: usize) -> [Point2<f64>; 2] {
-        let per_side = self.per_side as usize;
+        let (columns, rows) = (self.columns as usize, self.rows as usize);
         let corner = |column: usize, row: usize| {
             Point2::new(
-                self.width_m * column as f64 / per_side as f64,
-                self.height_m * row as f64 / per_side as f64,
+                self.width_m * column as f64 / columns as f64,
+                self.height_m * row as f64 / rows as f64,
             )
         };
-        let (column, row) = (square % per_side, square / per_side);
+        let (column, row) = (square % columns, square / columns);
         [corner(column, row), corner(column + 1, row + 1)]
     }
 }

@@ -50,15 +50,16 @@ pub(crate) fn side_m(side_m: f64, pointer: &str) -> Result<f64, ArenaError> {
     }
 }
 
-pub(crate) fn squares(squares: u32) -> Option<ArenaError> {
-    let in_range = (SQUARES_RANGE[0]..=SQUARES_RANGE[1]).contains(&squares);
-    (!in_range).then(|| {
-        ArenaError::new(
-            "/squares",
-            format!("{squares} is out of range"),
-            "1 to 1000",
-        )
-    })
+pub(crate) fn squares(squares: [u32; 2]) -> Option<ArenaError> {
+    let [least, most] = SQUARES_RANGE;
+    let wrong = squares
+        .into_iter()
+        .find(|side| !(least..=most).contains(side))?;
+    Some(ArenaError::new(
+        "/squares",
+        format!("{wrong} is out of range"),
+        format!("{least} to {most}"),
+    ))
 }
 
 /// `size_m` is width and height, or `None` if they are wrong themselves.

@@ -11,6 +11,7 @@ use swarm::placement::place;
 use swarm::random::{Purpose, Site, draw, stream_key, unit};
 use swarm::robot::RobotModel;
 use swarm::run::{Phase, Run};
+use swarm::sharing::Sharing;
 use swarm::spec::{
     ControllerParameters, ControllerSpec, EngineKind, Episodes, Method, Placement, RunSpec,
     Training,
@@ -190,6 +191,8 @@ fn run_spec(method: Method, arena: Arc<Arena>, robots: u64, engine: EngineKind) 
         episodes: Episodes::Reset,
         robot: RobotModel::default(),
         engine,
+        memory_budget_bytes: None,
+        sharing: Sharing::None,
     })
 }
 

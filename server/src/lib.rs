@@ -9,4 +9,6 @@ pub mod http;
 pub mod reproduce;
 pub mod scheduler;
 pub mod spec;
+mod statistics;
 pub mod store;
+pub mod summary;

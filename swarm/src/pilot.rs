@@ -1,6 +1,7 @@
-//! What steers one robot: from sensors to wheel commands, and what it learns from the next sensors.
+//! What steers robots: from sensors to wheel commands, and what is learnt from the next sensors.
 
 use crate::lanes::F8;
+use crate::world::Body;
 
 /// One robot's control program, called once before and once after every move.
 ///
@@ -20,4 +21,64 @@ pub trait Pilot: Send {
     /// Called a few robots before [`Pilot::learn`]: the place to ask for memory that it will need.
     #[inline(always)]
     fn expect_learning(&self) {}
+}
+
+/// The control programs of all robots of an arena: one pilot each, or robots that have to do with
+/// each other. `robot` is a robot's number.
+///
+/// In whatever order the robots are taken within a step, the result has to be the same: what
+/// robots tell each other waits for [`Crew::end_step`].
+pub trait Crew {
+    /// Robots.
+    fn len(&self) -> usize;
+
+    /// Whether there is no robot.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// As [`Pilot::act`].
+    fn act(&mut self, robot: usize, step: u64, raw: &F8) -> [f32; 2];
+
+    /// As [`Pilot::learn`].
+    fn learn(&mut self, robot: usize, raw: &F8);
+
+    /// As [`Pilot::expect_acting`].
+    #[inline(always)]
+    fn expect_acting(&self, _robot: usize) {}
+
+    /// As [`Pilot::expect_learning`].
+    #[inline(always)]
+    fn expect_learning(&self, _robot: usize) {}
+
+    /// Called once all robots have moved and learnt; `bodies` has one entry a robot.
+    #[inline(always)]
+    fn end_step(&mut self, _step: u64, _bodies: &[Body]) {}
+}
+
+impl<P: Pilot> Crew for [P] {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        <[P]>::len(self)
+    }
+
+    #[inline(always)]
+    fn act(&mut self, robot: usize, step: u64, raw: &F8) -> [f32; 2] {
+        self[robot].act(step, raw)
+    }
+
+    #[inline(always)]
+    fn learn(&mut self, robot: usize, raw: &F8) {
+        self[robot].learn(raw);
+    }
+
+    #[inline(always)]
+    fn expect_acting(&self, robot: usize) {
+        self[robot].expect_acting();
+    }
+
+    #[inline(always)]
+    fn expect_learning(&self, robot: usize) {
+        self[robot].expect_learning();
+    }
 }

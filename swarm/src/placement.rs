@@ -51,8 +51,14 @@ pub fn place(
             let poses = arena.starts();
             if let Some((a, b)) = overlapping(&poses[..wanted], model.parameters.body_radius_m) {
                 return Err(refuse(
-                    format!("the robots of start poses {a} and {b} would overlap"),
-                    "start poses at least two body radii apart".into(),
+                    format!(
+                        "the robots of start poses {a} and {b} of the arena {} would overlap",
+                        arena.name()
+                    ),
+                    format!(
+                        "at most {b} robots with placement `start`: its start poses before that are \
+                         two body radii apart"
+                    ),
                 ));
             }
             poses[..wanted]
@@ -65,7 +71,7 @@ pub fn place(
     };
     if poses.len() < wanted {
         return Err(refuse(
-            format!("{robots} robots do not fit into the arena"),
+            format!("{robots} robots do not fit into the arena {}", arena.name()),
             format!(
                 "at most {} robots with placement `{}`",
                 poses.len(),
@@ -94,9 +100,11 @@ pub fn enough_starts(arena: &Arena, robots: u32) -> Result<(), FieldError> {
     ))
 }
 
-/// Two start poses nearer to each other than two body radii, if any (sweep along x).
+/// The first start pose nearer than two body radii to one before it, after that one; `None` where
+/// all are apart (sweep along x).
 fn overlapping(poses: &[Pose], radius_m: f64) -> Option<(usize, usize)> {
     let apart = 2.0 * radius_m;
+    let mut first: Option<(usize, usize)> = None;
     let mut order: Vec<usize> = (0..poses.len()).collect();
     order.sort_by(|&a, &b| poses[a].x_m.total_cmp(&poses[b].x_m).then(a.cmp(&b)));
     for (place, &a) in order.iter().enumerate() {
@@ -106,11 +114,14 @@ fn overlapping(poses: &[Pose], radius_m: f64) -> Option<(usize, usize)> {
                 break;
             }
             if dx * dx + dy * dy < apart * apart {
-                return Some((a.min(b), a.max(b)));
+                let (early, late) = (a.min(b), a.max(b));
+                if first.is_none_or(|first| (late, early) < (first.1, first.0)) {
+                    first = Some((early, late));
+                }
             }
         }
     }
-    None
+    first
 }
 
 fn is_free(index: &WallIndex, x_m: f64, y_m: f64, room_m: f64) -> bool {
@@ -209,4 +220,65 @@ fn random(
         }
     }
     poses
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::world::Ground;
+
+    fn placed(arena: &Arena, placement: Placement, robots: u32) -> Result<usize, FieldError> {
+        let model = RobotModel::default();
+        let ground = Ground::new(std::sync::Arc::new(arena.clone()), &model);
+        place(
+            arena,
+            &model,
+            &ground.index,
+            placement,
+            robots,
+            7,
+            Site::Target,
+        )
+        .map(|poses| poses.len())
+    }
+
+    /// The number after `at most`.
+    fn most(error: &FieldError) -> u32 {
+        let words: Vec<&str> = error.allowed.split(' ').collect();
+        assert_eq!(words[..2], ["at", "most"], "{error:?}");
+        words[2].parse().unwrap()
+    }
+
+    #[test]
+    fn a_refusal_tells_the_largest_number_that_fits() {
+        // Seven starts in a row, 8 cm apart, but for the sixth, which is too near to the second.
+        let starts: Vec<String> = [0.1, 0.18, 0.26, 0.34, 0.42, 0.2, 0.5]
+            .map(|x| format!(r#"{{"x_m": {x}, "y_m": 0.3, "heading_rad": 0}}"#))
+            .into();
+        let arena = Arena::from_json(&format!(
+            r#"{{"name": "row", "width_m": 0.6, "height_m": 0.6, "walls_m": [], "starts": [{}]}}"#,
+            starts.join(",")
+        ))
+        .unwrap();
+        for (placement, too_many) in [
+            (Placement::Start, 7),
+            (Placement::Start, 8),
+            (Placement::Grid, 1_000),
+            (Placement::Random, 1_000),
+        ] {
+            let error = placed(&arena, placement, too_many).unwrap_err();
+            let mut most = most(&error);
+            if too_many == 8 {
+                // The arena has seven starts; that two of them clash shows next.
+                most = self::most(&placed(&arena, placement, most).unwrap_err());
+            }
+            assert_eq!(placed(&arena, placement, most).unwrap(), most as usize);
+            assert!(
+                placed(&arena, placement, most + 1).is_err(),
+                "{placement:?}"
+            );
+        }
+        assert_eq!(most(&placed(&arena, Placement::Start, 7).unwrap_err()), 5);
+    }
 }

@@ -23,8 +23,10 @@ pub enum Purpose {
     Clustering = 6,
     /// Random start poses.
     Placement = 7,
+    /// Whom a robot hears first, and what it tells.
+    Radio = 8,
     /// Random actions of the reference that model accuracy is measured against.
-    Reference = 8,
+    Reference = 9,
 }
 
 /// Which arena of a run a stream belongs to. The numbers are part of every result.

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::named_choice;
 use crate::parameter_table;
 use crate::parameters::Domain::{Choice, Real, Whole};
+use crate::sharing::Sharing;
 
 named_choice! {
     /// How a robot is controlled.
@@ -76,6 +77,11 @@ impl Method {
             Method::Im => states_from == StatesFrom::Phase1,
             _ => true,
         }
+    }
+
+    /// Whether it ends with the phase-3 controller.
+    pub fn explores(self) -> bool {
+        self != Method::Brownian && !self.is_evolved_baseline()
     }
 
     /// Whether it is one of the evolved baselines, which evolve all along.
@@ -232,6 +238,20 @@ pub struct RunSpec {
     pub robot: crate::robot::RobotModel,
     /// The physics.
     pub engine: EngineKind,
+    /// Most bytes that each robot's learner may hold; `None` for no budget.
+    pub memory_budget_bytes: Option<u64>,
+    /// What robots share of what they learn.
+    pub sharing: Sharing,
+}
+
+impl RunSpec {
+    /// Whether all phases happen on line in the target arena: robots that go on where they stand
+    /// when an epoch ends, and whose training arena is the target.
+    pub fn is_on_line(&self) -> bool {
+        let training = self.controller.training.as_ref();
+        self.episodes == Episodes::Continue
+            && training.is_some_and(|training| *training.arena == *self.arena)
+    }
 }
 
 /// A field that cannot be used, with the JSON pointer that a user knows it by.

@@ -2,9 +2,11 @@
 
 use arenas::Arena;
 
+use crate::memory::MemoryPlan;
 use crate::placement::enough_starts;
 use crate::run::{MAX_EPOCHS, MAX_ROBOTS, MAX_STEPS_PER_EPOCH};
-use crate::spec::{FieldError, Placement, RunSpec};
+use crate::sharing::{LEAST_BYTES_PER_STEP, MOST_BYTES_PER_STEP, Sharing};
+use crate::spec::{FieldError, Method, Placement, RunSpec};
 
 fn error(pointer: &str, message: impl Into<String>, allowed: impl Into<String>) -> FieldError {
     FieldError {
@@ -51,12 +53,61 @@ impl RunSpec {
                 "an object with arena and epochs",
             ));
         }
+        self.check_sharing(&mut errors);
         self.check_robot(&mut errors);
         self.check_arena(&self.arena, "/arena", &mut errors);
         if let Some(training) = &self.controller.training {
             self.check_arena(&training.arena, "/controller/train/arena", &mut errors);
         }
         errors
+    }
+
+    fn check_sharing(&self, errors: &mut Vec<FieldError>) {
+        let method = self.controller.method;
+        if self.sharing != Sharing::None && method == Method::Brownian {
+            errors.push(error(
+                "/sharing/mode",
+                "`brownian` learns nothing that could be shared",
+                "none, or a method that learns",
+            ));
+        }
+        if self.sharing == Sharing::Arena && method.is_evolved_baseline() {
+            errors.push(error(
+                "/sharing/mode",
+                format!("`{}` has no repository", method.name()),
+                "none, radio, or a method with a repository",
+            ));
+        }
+        if let Sharing::Radio(link) = &self.sharing {
+            if !link
+                .range_m
+                .is_none_or(|range_m| (0.0..=100.0).contains(&range_m))
+            {
+                errors.push(error(
+                    "/sharing/range_m",
+                    "is out of range",
+                    "a number from 0 to 100, or null for no limit",
+                ));
+            }
+            if !(LEAST_BYTES_PER_STEP..=MOST_BYTES_PER_STEP).contains(&link.bytes_per_step) {
+                errors.push(error(
+                    "/sharing/bytes_per_step",
+                    format!("{} is out of range", link.bytes_per_step),
+                    format!("a whole number from {LEAST_BYTES_PER_STEP} to {MOST_BYTES_PER_STEP}"),
+                ));
+            }
+        }
+        if let Err(too_small) = MemoryPlan::of(self) {
+            errors.push(error(
+                "/memory_budget_bytes",
+                format!(
+                    "{} bytes are too few for `{}`",
+                    self.memory_budget_bytes.unwrap_or(0),
+                    method.name()
+                ),
+                format!("at least {} bytes, or null", too_small.smallest_bytes),
+            ));
+        }
     }
 
     fn check_robot(&self, errors: &mut Vec<FieldError>) {

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use swarm::robot::RobotModel;
 use swarm::run::{Phase, Run};
+use swarm::sharing::{RadioLink, Sharing};
 use swarm::spec::{
     ControllerParameters, ControllerSpec, EngineKind, Episodes, Method, Placement, RunSpec,
     Training,
@@ -63,6 +64,8 @@ fn spec(method: Method, robots: u32) -> RunSpec {
         episodes: Episodes::Reset,
         robot: RobotModel::default(),
         engine: EngineKind::Kinematic,
+        memory_budget_bytes: None,
+        sharing: Sharing::None,
     }
 }
 
@@ -96,5 +99,20 @@ fn a_step_allocates_nothing() {
             "{} x 8",
             method.name()
         );
+    }
+}
+
+#[test]
+fn sharing_allocates_nothing_either() {
+    let link = RadioLink {
+        range_m: Some(0.3),
+        bytes_per_step: 32,
+    };
+    for sharing in [Sharing::Arena, Sharing::Radio(link)] {
+        let spec = RunSpec {
+            sharing: sharing.clone(),
+            ..spec(Method::EvIterC, 8)
+        };
+        assert_eq!(allocations_in_steps(spec), 0, "{sharing:?}");
     }
 }

@@ -5,10 +5,10 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use swarm::run::{CurveRow, Outcome};
+use swarm::run::{CurveRow, MetricsLog, Outcome};
 
 use super::timing::Timing;
-use super::{coverage_png, curve_csv, run_result, visits_npy};
+use super::{coverage_png, curve_csv, metrics_csv, robots_csv, run_result, visits_npy};
 use crate::spec::ResolvedRun;
 
 /// A finished run.
@@ -22,6 +22,8 @@ pub struct Finished<'a> {
     pub curve: &'a [CurveRow],
     /// Entries counted a square, row 0 the lowest y.
     pub visits: &'a [u32],
+    /// Swarm metrics over time.
+    pub metrics: &'a MetricsLog,
 }
 
 /// A file that could not be written.
@@ -71,13 +73,15 @@ pub fn is_complete(directory: &Path) -> Option<String> {
     directory.join("result.json").is_file().then_some(spec)
 }
 
-fn files(finished: &Finished<'_>, timing: &Timing) -> [(&'static str, Vec<u8>); 6] {
+fn files(finished: &Finished<'_>, timing: &Timing) -> [(&'static str, Vec<u8>); 8] {
     let Finished {
         spec,
         outcome,
         curve,
         visits,
+        metrics,
     } = *finished;
+    let step_s = spec.step_s();
     let arena = spec.arena();
     let reachable = arena
         .starts()
@@ -90,6 +94,8 @@ fn files(finished: &Finished<'_>, timing: &Timing) -> [(&'static str, Vec<u8>); 
         ("spec.json", spec.canonical_json().into_bytes()),
         ("result.json", json(&run_result(outcome))),
         ("curve.csv", curve_csv(curve).into_bytes()),
+        ("metrics.csv", metrics_csv(metrics, step_s).into_bytes()),
+        ("robots.csv", robots_csv(metrics).into_bytes()),
         ("visits.npy", visits_npy(visits, arena.squares())),
         ("coverage.png", coverage_png(arena, visits, mask)),
         ("timing.json", json(&timing.to_document())),

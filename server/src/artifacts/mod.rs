@@ -3,6 +3,7 @@
 //! Everything but `timing.json` is a pure function of the run, down to the bytes of the picture.
 
 mod directory;
+mod metrics;
 mod npy;
 mod palette;
 mod picture;
@@ -13,9 +14,10 @@ mod timing;
 mod vector;
 
 pub use directory::{Finished, WriteError, is_complete, write_directory};
+pub use metrics::{metrics_csv, metrics_json, robots_csv};
 pub use npy::visits_npy;
 pub use raster::png_of_rgb;
-pub use tables::{coverage_csv, coverage_json, curve_csv, run_result};
+pub use tables::{coverage_csv, coverage_json, curve_csv, memory_plan, run_result};
 pub use timing::{Timing, process_cpu_s, thread_cpu_s};
 
 use arenas::Arena;

@@ -39,7 +39,8 @@ struct Plot {
     px_per_m: f64,
     width_px: f32,
     height_px: f32,
-    squares: usize,
+    columns: usize,
+    rows: usize,
 }
 
 impl Plot {
@@ -50,7 +51,8 @@ impl Plot {
             px_per_m,
             width_px: side(arena.width_m()),
             height_px: side(arena.height_m()),
-            squares: arena.squares() as usize,
+            columns: arena.squares()[0] as usize,
+            rows: arena.squares()[1] as usize,
         }
     }
 
@@ -62,12 +64,12 @@ impl Plot {
 
     /// Whole pixel at which a column begins, from the left.
     fn column_px(&self, column: usize) -> f32 {
-        LEFT_PX + (self.width_px * column as f32 / self.squares as f32).round()
+        LEFT_PX + (self.width_px * column as f32 / self.columns as f32).round()
     }
 
     /// Whole pixel at which a row begins, from the bottom up.
     fn row_px(&self, row: usize) -> f32 {
-        TOP_PX + self.height_px - (self.height_px * row as f32 / self.squares as f32).round()
+        TOP_PX + self.height_px - (self.height_px * row as f32 / self.rows as f32).round()
     }
 }
 
@@ -95,9 +97,10 @@ fn title(items: &mut Vec<Item>, arena: &Arena) {
         [LEFT_PX, 30.0],
         (20.0, true, Anchor::Start, BLACK),
     );
-    let n = arena.squares();
+    let [columns, rows] = arena.squares();
     let (width_m, height_m) = (arena.width_m(), arena.height_m());
-    let about = format!("entries counted in {n} x {n} squares; {width_m} m x {height_m} m");
+    let about =
+        format!("entries counted in {columns} x {rows} squares; {width_m} m x {height_m} m");
     text(
         items,
         about,
@@ -111,9 +114,9 @@ fn squares(items: &mut Vec<Item>, plot: &Plot, visits: &[u32], reachable: Option
     let mut stepped: [Vec<[f32; 4]>; STEPS.len()] = Default::default();
     let mut blocked = Vec::new();
     let mut hatch = Vec::new();
-    for (row, counts) in visits.chunks(plot.squares.max(1)).enumerate() {
+    for (row, counts) in visits.chunks(plot.columns.max(1)).enumerate() {
         let look = |column: usize| {
-            let blocked = reachable.is_some_and(|mask| !mask[row * plot.squares + column]);
+            let blocked = reachable.is_some_and(|mask| !mask[row * plot.columns + column]);
             (palette::step(counts[column]), blocked)
         };
         let (top, bottom) = (plot.row_px(row + 1), plot.row_px(row));

@@ -2,10 +2,13 @@
 
 use std::fmt::Write;
 
-use api::{ClusterCounts, Coverage, Fractions, ModelAccuracy, RunResult, SCHEMA};
+use api::{
+    ClusterCounts, Coverage, Fractions, Memory, MemoryPlan, ModelAccuracy, RunResult, SCHEMA,
+};
 use arenas::Arena;
 use swarm::run::{CurveRow, Outcome, counts_within};
 
+use super::metrics::swarm_metrics;
 use super::palette::STEPS;
 
 /// `result.json`.
@@ -21,6 +24,7 @@ pub fn run_result(outcome: &Outcome) -> RunResult {
         p10,
         reachable: outcome.reachable,
         fractions: fractions(outcome.coverage_reachable, outcome.reachable),
+        metrics: Some(swarm_metrics(&outcome.metrics)),
         steps: outcome.robot_steps,
         collisions: outcome.collisions,
         clusters: ClusterCounts {
@@ -33,12 +37,40 @@ pub fn run_result(outcome: &Outcome) -> RunResult {
             pairs: model.pairs,
         }),
         bytes: outcome.bytes,
+        memory: memory(outcome),
         state_sha256: outcome.state_sha256.clone(),
     }
 }
 
+fn memory(outcome: &Outcome) -> Memory {
+    let bytes = || outcome.memory.iter().map(|robot| robot.bytes);
+    let saturated = || outcome.memory.iter().map(|robot| robot.clusters_saturated);
+    Memory {
+        plan: memory_plan(&outcome.memory_plan),
+        most_bytes: bytes().max().unwrap_or(0),
+        least_bytes: bytes().min().unwrap_or(0),
+        clusters_saturated: saturated().sum(),
+        // A run has at most 100,000 robots.
+        robots_saturated: saturated().filter(|count| *count > 0).count() as u32,
+    }
+}
+
+/// What each robot's learner may hold, as a document.
+pub fn memory_plan(plan: &swarm::memory::MemoryPlan) -> MemoryPlan {
+    MemoryPlan {
+        sensor_clusters: plan.sensor_clusters,
+        actuator_clusters: plan.actuator_clusters,
+        sensori_motor_clusters: plan.sensori_motor_clusters,
+        sample: plan.sample,
+        actuator_sample: plan.actuator_sample,
+        lambda: plan.lambda,
+        genomes: plan.genomes,
+        bytes: plan.bytes,
+    }
+}
+
 /// Counts inside the reachable squares as shares of these.
-fn fractions(inside: [u32; STEPS.len()], reachable: u32) -> Fractions {
+pub(super) fn fractions(inside: [u32; STEPS.len()], reachable: u32) -> Fractions {
     let [p1, p2, p5, p10] = inside.map(|count| match reachable {
         0 => 0.0,
         _ => f64::from(count) / f64::from(reachable),
@@ -81,7 +113,7 @@ pub fn coverage_json(arena: &Arena, visits: &[u32], mask: &[bool]) -> Coverage {
         arena: arena.name().to_owned(),
         width_m: arena.width_m(),
         height_m: arena.height_m(),
-        squares: arena.squares(),
+        squares: arena.squares().into(),
         p1,
         p2,
         p5,
@@ -89,19 +121,19 @@ pub fn coverage_json(arena: &Arena, visits: &[u32], mask: &[bool]) -> Coverage {
         reachable,
         fractions: fractions(counts_within(visits, mask), reachable),
         visits: visits
-            .chunks(arena.squares().max(1) as usize)
+            .chunks(arena.squares()[0].max(1) as usize)
             .map(<[u32]>::to_vec)
             .collect(),
     }
 }
 
 /// One line a square that was entered: column, row (0 the lowest y), entries.
-pub fn coverage_csv(visits: &[u32], squares: u32) -> String {
+pub fn coverage_csv(visits: &[u32], columns: u32) -> String {
     let mut text = String::from("column,row,visits\n");
-    let squares = squares.max(1) as usize;
+    let columns = columns.max(1) as usize;
     for (place, count) in visits.iter().enumerate().filter(|(_, count)| **count > 0) {
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "{},{},{count}", place % squares, place / squares);
+        let _ = writeln!(text, "{},{},{count}", place % columns, place / columns);
     }
     text
 }

@@ -5,7 +5,8 @@ use std::fs;
 
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
-use swarm::run::{CurveRow, Outcome};
+use swarm::memory::MemoryPlan;
+use swarm::run::{CurveRow, MetricsLog, Outcome, RobotMemory};
 
 use super::*;
 use crate::spec::{self, BuiltinArenas, ResolvedRun};
@@ -32,6 +33,22 @@ fn visits_and_mask() -> (Vec<u32>, Vec<bool>) {
 
 fn outcome() -> Outcome {
     Outcome {
+        metrics: swarm::run::Metrics {
+            last: swarm::run::MetricsRow {
+                steps: 2_000,
+                epoch: 1,
+                entered: [40, 30, 24, 8],
+                entropy: 0.5,
+                overlap: None,
+                contribution_max: 1.0,
+                collisions: 7,
+                distance_m: 12.5,
+            },
+            t_steps: [Some(100), None, None],
+            mean_coverage: 0.25,
+            overlap_robots: 0,
+            contributors: 1.0,
+        },
         coverage: CurveRow {
             epoch: 2,
             p1: 46,
@@ -48,6 +65,26 @@ fn outcome() -> Outcome {
         sensori_motor_clusters: 5,
         model: None,
         bytes: 678,
+        memory_plan: MemoryPlan {
+            sensor_clusters: 12,
+            actuator_clusters: 8,
+            sensori_motor_clusters: 24,
+            sample: 72,
+            actuator_sample: 4,
+            lambda: 20,
+            genomes: 2,
+            bytes: 8_000,
+        },
+        memory: vec![
+            RobotMemory {
+                bytes: 7_000,
+                clusters_saturated: 5,
+            },
+            RobotMemory {
+                bytes: 7_100,
+                clusters_saturated: 0,
+            },
+        ],
         state_sha256: "ab".to_owned(),
     }
 }
@@ -116,6 +153,7 @@ fn a_directory_holds_all_files_or_is_not_there() {
         outcome: &outcome,
         curve: &[],
         visits: &visits,
+        metrics: &MetricsLog::default(),
     };
     let timing = Timing {
         wall_s: 2.0,
@@ -137,7 +175,9 @@ fn a_directory_holds_all_files_or_is_not_there() {
     let files = [
         "coverage.png",
         "curve.csv",
+        "metrics.csv",
         "result.json",
+        "robots.csv",
         "spec.json",
         "timing.json",
         "visits.npy",

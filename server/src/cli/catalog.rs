@@ -100,15 +100,14 @@ fn described(arena: &Arena) -> String {
     let reachable = arena.starts().first().map_or(0, |start| {
         arenas::reachable(arena, *start, body_radius_m()).count
     });
-    let squares = arena.squares();
+    let squares = arenas::Squares::of(arena).count();
     format!(
-        "{:<12} {} m x {} m, {} inner walls, {} starts, {reachable} of {} squares reachable",
+        "{:<12} {} m x {} m, {} inner walls, {} starts, {reachable} of {squares} squares reachable",
         arena.name(),
         arena.width_m(),
         arena.height_m(),
         arena.walls().len(),
         arena.starts().len(),
-        u64::from(squares) * u64::from(squares),
     )
 }
 

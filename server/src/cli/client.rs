@@ -54,6 +54,14 @@ pub struct StatusArguments {
 }
 
 #[derive(Debug, clap::Args)]
+pub struct SummaryArguments {
+    /// Id of a job.
+    id: String,
+    #[command(flatten)]
+    server: Server,
+}
+
+#[derive(Debug, clap::Args)]
 pub struct CancelArguments {
     /// Id of the job.
     id: String,
@@ -83,6 +91,12 @@ pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
             page.items.iter().try_for_each(|job| output::say(line(job)))
         }
     }
+}
+
+pub fn summary(arguments: &SummaryArguments) -> Result<(), Failure> {
+    let client = Client::new(&arguments.server);
+    let text = client.text(&format!("{}/summary.md", job_path(&arguments.id)?))?;
+    output::say(text.trim_end())
 }
 
 pub fn cancel(arguments: &CancelArguments) -> Result<(), Failure> {
@@ -179,6 +193,11 @@ impl Client {
         self.answer(self.signed(request).call())
     }
 
+    fn text(&self, path: &str) -> Result<String, Failure> {
+        let request = self.agent.get(format!("{}{path}", self.url));
+        self.body(self.signed(request).call())
+    }
+
     fn post<T: DeserializeOwned>(&self, path: &str, body: Option<&Value>) -> Result<T, Failure> {
         let request = self.signed(self.agent.post(format!("{}{path}", self.url)));
         self.answer(match body {
@@ -198,6 +217,16 @@ impl Client {
         &self,
         response: Result<ureq::http::Response<ureq::Body>, ureq::Error>,
     ) -> Result<T, Failure> {
+        let document = serde_json::from_str(&self.body(response)?)
+            .with_context(|| format!("{} does not answer like this service", self.url))?;
+        Ok(document)
+    }
+
+    /// The body of an answer that is no refusal.
+    fn body(
+        &self,
+        response: Result<ureq::http::Response<ureq::Body>, ureq::Error>,
+    ) -> Result<String, Failure> {
         let mut response = response.with_context(|| format!("no answer from {}", self.url))?;
         let status = response.status();
         let body = response
@@ -205,9 +234,7 @@ impl Client {
             .read_to_string()
             .with_context(|| format!("the answer of {} broke off", self.url))?;
         if status.is_success() {
-            let document = serde_json::from_str(&body)
-                .with_context(|| format!("{} does not answer like this service", self.url))?;
-            return Ok(document);
+            return Ok(body);
         }
         match serde_json::from_str::<Problem>(&body) {
             Ok(problem) if !problem.errors.is_empty() => Err(Failure::WrongSpec(problem.errors)),

@@ -57,6 +57,8 @@ enum Command {
     Submit(client::SubmitArguments),
     /// Show a job of a service, or its newest jobs.
     Status(client::StatusArguments),
+    /// Show what a job of a service found, seeds pooled, with intervals.
+    Summary(client::SummaryArguments),
     /// Cancel a job of a service.
     Cancel(client::CancelArguments),
     /// List, check and draw arenas.
@@ -140,6 +142,7 @@ fn dispatch(command: Command) -> Result<(), Failure> {
         }
         Command::Submit(arguments) => client::submit(&arguments),
         Command::Status(arguments) => client::status(&arguments),
+        Command::Summary(arguments) => client::summary(&arguments),
         Command::Cancel(arguments) => client::cancel(&arguments),
         Command::Arenas(command) => catalog::arenas(&command),
         Command::Controllers { json } => catalog::controllers(json),

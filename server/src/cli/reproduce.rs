@@ -259,11 +259,13 @@ impl Work<'_> {
             threads: 1,
         };
         let visits = run.visits();
+        let metrics = run.metrics();
         let finished = Finished {
             spec: &planned.spec,
             outcome: &outcome,
             curve: run.curve(),
             visits: &visits,
+            metrics: &metrics,
         };
         artifacts::write_directory(&directory, &finished, &timing)?;
         checkpoint.remove();

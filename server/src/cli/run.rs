@@ -75,6 +75,7 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
         since: Instant::now(),
         cpu_s: artifacts::process_cpu_s(),
     };
+    show_plan(&work.run);
     let frames = open_frames(&spec);
     let Some(outcome) = finish(&mut work, &checkpoint, frames, &stop)? else {
         return Err(anyhow!("interrupted; the same command goes on from here").into());
@@ -87,15 +88,36 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
         threads: rayon::current_num_threads(),
     };
     let visits = work.run.visits();
+    let metrics = work.run.metrics();
     let finished = Finished {
         spec: &spec,
         outcome: &outcome,
         curve: work.run.curve(),
         visits: &visits,
+        metrics: &metrics,
     };
     artifacts::write_directory(out, &finished, &timing)?;
     checkpoint.remove();
     report(out, &outcome, &timing)
+}
+
+/// What fits into a robot's memory budget, where it has one.
+fn show_plan(run: &Run) {
+    let Some(budget_bytes) = run.spec().memory_budget_bytes else {
+        return;
+    };
+    let plan = run.memory_plan();
+    tracing::info!(
+        "a robot holds at most {} of {budget_bytes} bytes: {} states, {} actions, lists of {}, \
+         {} commands an action, a sample of {} vectors, {} genomes",
+        plan.bytes,
+        plan.sensor_clusters,
+        plan.actuator_clusters,
+        plan.lambda,
+        plan.actuator_sample,
+        plan.sample,
+        plan.genomes
+    );
 }
 
 /// A run in progress, with what it has cost.

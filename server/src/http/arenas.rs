@@ -129,7 +129,7 @@ fn listing(app: &App, arena: &Arena, builtin: bool) -> ArenaListing {
         height_m: arena.height_m(),
         walls: arena.walls().len() as u64,
         starts: arena.starts().len() as u64,
-        squares: arena.squares(),
+        squares: arena.squares().into(),
         // An arena has at most 1,000 x 1,000 squares.
         reachable: reachable as u32,
     }

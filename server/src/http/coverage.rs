@@ -14,7 +14,8 @@ use super::refusal::Refusal;
 use super::request::number;
 use super::runs::{found, resolved};
 use crate::artifacts::{
-    coverage_csv, coverage_json, coverage_png, coverage_svg, curve_csv, visits_npy,
+    coverage_csv, coverage_json, coverage_png, coverage_svg, curve_csv, metrics_csv, metrics_json,
+    robots_csv, visits_npy,
 };
 use crate::scheduler::View;
 use crate::spec::ResolvedRun;
@@ -55,6 +56,44 @@ pub async fn curve_as_csv(
     .await
 }
 
+/// `GET /v1/runs/{id}/metrics`.
+pub async fn metrics(
+    State(app): State<App>,
+    Path(id): Path<String>,
+    headers: HeaderMap,
+) -> Result<Response, Refusal> {
+    show(app, id, headers, JSON, |app, run, coverage| {
+        let step_s = resolved(app, run)?.step_s();
+        json(&metrics_json(&coverage.metrics, step_s))
+    })
+    .await
+}
+
+/// `GET /v1/runs/{id}/metrics.csv`.
+pub async fn metrics_as_csv(
+    State(app): State<App>,
+    Path(id): Path<String>,
+    headers: HeaderMap,
+) -> Result<Response, Refusal> {
+    show(app, id, headers, CSV, |app, run, coverage| {
+        let step_s = resolved(app, run)?.step_s();
+        Ok(metrics_csv(&coverage.metrics, step_s).into())
+    })
+    .await
+}
+
+/// `GET /v1/runs/{id}/robots.csv`: what each robot did.
+pub async fn robots_as_csv(
+    State(app): State<App>,
+    Path(id): Path<String>,
+    headers: HeaderMap,
+) -> Result<Response, Refusal> {
+    show(app, id, headers, CSV, |_, _, coverage| {
+        Ok(robots_csv(&coverage.metrics).into())
+    })
+    .await
+}
+
 /// `GET /v1/runs/{id}/coverage`.
 pub async fn visits_as_json(
     State(app): State<App>,
@@ -77,7 +116,7 @@ pub async fn visits_as_csv(
 ) -> Result<Response, Refusal> {
     show(app, id, headers, CSV, |app, run, coverage| {
         let grid = Grid::new(app, run, &coverage.visits)?;
-        Ok(coverage_csv(&grid.counts, grid.spec.arena().squares()).into())
+        Ok(coverage_csv(&grid.counts, grid.spec.arena().squares()[0]).into())
     })
     .await
 }
@@ -144,9 +183,9 @@ impl Grid {
     /// These counts; zeros for a run that has none yet.
     fn new(app: &App, run: &RunView, counts: &[u32]) -> Result<Self, Refusal> {
         let spec = resolved(app, run)?;
-        let squares = spec.arena().squares() as usize;
+        let squares = arenas::Squares::of(spec.arena()).count();
         let counts = match counts {
-            [] => vec![0; squares * squares],
+            [] => vec![0; squares],
             counts => counts.to_vec(),
         };
         Ok(Self { spec, counts })

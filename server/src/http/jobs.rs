@@ -151,11 +151,12 @@ async fn want(app: App, id: String, intent: Intent) -> Result<Json<api::Job>, Re
 }
 
 /// A job's key from its id.
-fn job_seq(id: &str) -> Result<JobSeq, Refusal> {
+pub fn job_seq(id: &str) -> Result<JobSeq, Refusal> {
     id.parse().map_err(|_| Refusal::not_found("job", id))
 }
 
-fn found(app: &App, seq: JobSeq) -> Result<JobView, Refusal> {
+/// The job of this key.
+pub fn found(app: &App, seq: JobSeq) -> Result<JobView, Refusal> {
     app.store
         .job(seq)?
         .ok_or_else(|| Refusal::not_found("job", &seq.to_string()))

@@ -11,6 +11,7 @@ mod refusal;
 mod request;
 mod runs;
 mod serve;
+mod summary;
 #[cfg(test)]
 mod tests;
 mod views;
@@ -62,16 +63,23 @@ fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, token: Option<&str>) -> 
         .route("/jobs", get(jobs::list).post(jobs::create))
         .route("/jobs/{id}", get(jobs::show).delete(jobs::delete))
         .route("/jobs/{id}/runs", get(jobs::runs))
+        .route("/jobs/{id}/summary", get(summary::as_json))
+        .route("/jobs/{id}/summary.csv", get(summary::as_csv))
+        .route("/jobs/{id}/summary.md", get(summary::as_markdown))
         .route("/jobs/{id}/cancel", post(jobs::cancel))
         .route("/jobs/{id}/pause", post(jobs::pause))
         .route("/jobs/{id}/resume", post(jobs::resume))
         .route("/runs/{id}", get(runs::show))
         .route("/runs/{id}/spec", get(runs::spec))
         .route("/runs/{id}/result", get(runs::result))
+        .route("/runs/{id}/memory", get(runs::memory))
         .route("/runs/{id}/channels", get(runs::channels))
         .route("/runs/{id}/cancel", post(runs::cancel))
         .route("/runs/{id}/curve", get(coverage::curve))
         .route("/runs/{id}/curve.csv", get(coverage::curve_as_csv))
+        .route("/runs/{id}/metrics", get(coverage::metrics))
+        .route("/runs/{id}/metrics.csv", get(coverage::metrics_as_csv))
+        .route("/runs/{id}/robots.csv", get(coverage::robots_as_csv))
         .route("/runs/{id}/coverage", get(coverage::visits_as_json))
         .route("/runs/{id}/coverage.png", get(coverage::visits_as_png))
         .route("/runs/{id}/coverage.svg", get(coverage::visits_as_svg))

@@ -1,6 +1,6 @@
 //! `/v1/runs/{id}`: show, spec, result, channels, cancel.
 
-use api::{RunResult, RunSummary};
+use api::{MemoryPlan, RunResult, RunSummary};
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::header::CONTENT_TYPE;
@@ -8,6 +8,7 @@ use axum::response::{IntoResponse, Response};
 
 use super::refusal::Refusal;
 use super::{App, views};
+use crate::artifacts::memory_plan;
 use crate::channels::describe;
 use crate::scheduler::StoredArenas;
 use crate::spec::{ResolvedRun, parse, resolve};
@@ -42,6 +43,21 @@ pub async fn result(
         run.result
             .map(Json)
             .ok_or_else(|| Refusal::conflict(format!("the run has no result: it is {state}")))
+    })
+    .await
+}
+
+/// `GET /v1/runs/{id}/memory`: what each robot's learner may hold, known before the run starts.
+pub async fn memory(
+    State(app): State<App>,
+    Path(id): Path<String>,
+) -> Result<Json<MemoryPlan>, Refusal> {
+    app.blocking(move |app| {
+        let spec = resolved(app, &found(app, &id)?)?.run_spec();
+        let plan = swarm::memory::MemoryPlan::of(&spec);
+        // Specs whose budget has no plan are refused when they are posted.
+        let plan = plan.map_err(|error| Refusal::internal(&error))?;
+        Ok(Json(memory_plan(&plan)))
     })
     .await
 }

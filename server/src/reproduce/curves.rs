@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use super::bootstrap::band;
 use super::document::escaped;
+use crate::statistics::bootstrap::band;
 
 /// One method's runs.
 pub struct Line {

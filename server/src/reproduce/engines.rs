@@ -6,7 +6,7 @@ use swarm::spec::EngineKind;
 use super::document::{Block, Table};
 use super::plan::{ENGINE_METHODS, Settings};
 use super::results::{Finding, Findings};
-use super::statistics::{compare, summary};
+use crate::statistics::{compare, summary};
 
 /// Both engines, that of all other experiments first.
 const ENGINES: [EngineKind; 2] = [EngineKind::Kinematic, EngineKind::Rapier];

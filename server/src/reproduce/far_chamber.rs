@@ -28,7 +28,7 @@ pub fn far_chamber(arena: &Arena, body_radius_m: f64) -> Vec<bool> {
 
 /// Length of the shortest way from `start` to each square; `None` where there is none (Dijkstra).
 fn ways_m(squares: &Squares, mask: &[bool], start: usize) -> Vec<Option<f64>> {
-    let per_side = squares.per_side() as i64;
+    let (columns, rows) = (i64::from(squares.columns()), i64::from(squares.rows()));
     let [width_m, height_m] = squares.size_m();
     let mut ways_m: Vec<Option<f64>> = vec![None; mask.len()];
     // Lengths are not negative, so their bits are in their order.
@@ -39,11 +39,11 @@ fn ways_m(squares: &Squares, mask: &[bool], start: usize) -> Vec<Option<f64>> {
         }
         let way_m = f64::from_bits(bits);
         ways_m[square] = Some(way_m);
-        let (column, row) = (square as i64 % per_side, square as i64 / per_side);
+        let (column, row) = (square as i64 % columns, square as i64 / columns);
         let open = |dx: i64, dy: i64| {
             let (x, y) = (column + dx, row + dy);
-            let inside = (0..per_side).contains(&x) && (0..per_side).contains(&y);
-            let square = (y * per_side + x) as usize;
+            let inside = (0..columns).contains(&x) && (0..rows).contains(&y);
+            let square = (y * columns + x) as usize;
             (inside && mask[square]).then_some(square)
         };
         for (dx, dy) in [

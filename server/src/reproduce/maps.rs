@@ -132,11 +132,11 @@ fn legend(out: &mut String, top: f64, counted: Counted) {
 }
 
 /// One pixel a square, the highest y at the top.
-fn png(map: &Map, reachable: &[bool], squares: u32, counted: Counted) -> Vec<u8> {
-    let per_side = squares.max(1) as usize;
+fn png(map: &Map, reachable: &[bool], [columns, rows]: [u32; 2], counted: Counted) -> Vec<u8> {
+    let across = columns.max(1) as usize;
     let mut rgb = Vec::with_capacity(3 * map.entered.len());
-    let rows = map.entered.chunks(per_side).zip(reachable.chunks(per_side));
-    for (entered, reachable) in rows.rev() {
+    let lines = map.entered.chunks(across).zip(reachable.chunks(across));
+    for (entered, reachable) in lines.rev() {
         for (&entered, &reachable) in entered.iter().zip(reachable) {
             rgb.extend(match (entered, reachable) {
                 (0, true) => NEVER,
@@ -145,7 +145,7 @@ fn png(map: &Map, reachable: &[bool], squares: u32, counted: Counted) -> Vec<u8>
             });
         }
     }
-    artifacts::png_of_rgb(&rgb, squares, squares)
+    artifacts::png_of_rgb(&rgb, columns, rows)
 }
 
 /// Where on the scale, 0 to 1, a count of at least one is.
@@ -204,7 +204,7 @@ mod tests {
             title: "im".to_owned(),
             entered: vec![3, 0, 0, 1],
         };
-        let bytes = png(&map, &[true, true, false, true], 2, Counted::Runs(3));
+        let bytes = png(&map, &[true, true, false, true], [2, 2], Counted::Runs(3));
         let mut reader = png::Decoder::new(std::io::Cursor::new(bytes))
             .read_info()
             .unwrap();

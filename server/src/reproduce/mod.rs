@@ -2,7 +2,6 @@
 //!
 //! Everything here is a function of result directories; whoever runs them is `cli`'s concern.
 
-mod bootstrap;
 mod claims;
 mod curves;
 mod document;
@@ -14,7 +13,6 @@ mod published;
 mod report;
 mod results;
 mod sections;
-mod statistics;
 
 pub use plan::{Plan, PlannedRun, Settings};
 pub use report::{replace, write_report};

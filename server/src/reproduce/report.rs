@@ -110,7 +110,7 @@ fn curves_of(plan: &Plan, findings: &Findings, arena: &str) -> Block {
         caption: format!(
             "p1 by epoch on {arena}: mean over the runs and pointwise 95 % bootstrap band of the \
              mean ({} draws of whole runs).",
-            super::bootstrap::RESAMPLES
+            crate::statistics::bootstrap::RESAMPLES
         ),
     }
 }

@@ -9,8 +9,8 @@ use api::RunResult;
 use swarm::spec::EngineKind;
 
 use super::plan::{Plan, PlannedRun};
-use super::statistics::{Summary, summary};
 use crate::artifacts;
+use crate::statistics::{Summary, summary};
 
 /// One finished run.
 #[derive(Clone, Debug)]
@@ -195,9 +195,9 @@ fn p1_by_epoch(text: &str) -> anyhow::Result<Vec<f64>> {
         .collect()
 }
 
-/// The numbers of a `visits.npy` that this program wrote for so many squares a side.
-fn read_visits(bytes: &[u8], squares: u32) -> Option<Vec<u32>> {
-    let count = squares as usize * squares as usize;
+/// The numbers of a `visits.npy` that this program wrote for so many columns and rows of squares.
+fn read_visits(bytes: &[u8], squares: [u32; 2]) -> Option<Vec<u32>> {
+    let count = squares[0] as usize * squares[1] as usize;
     let start = bytes.len().checked_sub(4 * count)?;
     let visits: Vec<u32> = bytes[start..]
         .chunks_exact(4)
@@ -223,6 +223,7 @@ pub(super) mod testing {
             engine: EngineKind::Kinematic,
             seed,
             result: RunResult {
+                metrics: None,
                 schema: 1,
                 p1,
                 p2,
@@ -240,6 +241,7 @@ pub(super) mod testing {
                 clusters: api::ClusterCounts::default(),
                 model: None,
                 bytes: 1,
+                memory: api::Memory::default(),
                 state_sha256: String::new(),
             },
             p1_by_epoch: (1..=20).map(|epoch| f64::from(p1 * epoch) / 20.0).collect(),
@@ -284,12 +286,12 @@ mod tests {
     #[test]
     fn visits_are_read_back() {
         let visits: Vec<u32> = (0..9).collect();
-        let mut bytes = artifacts::visits_npy(&visits, 3);
-        assert_eq!(read_visits(&bytes, 3), Some(visits));
-        assert_eq!(read_visits(&bytes[1..], 3), None);
-        assert_eq!(read_visits(&bytes, 4), None);
+        let mut bytes = artifacts::visits_npy(&visits, [3, 3]);
+        assert_eq!(read_visits(&bytes, [3, 3]), Some(visits));
+        assert_eq!(read_visits(&bytes[1..], [3, 3]), None);
+        assert_eq!(read_visits(&bytes, [4, 4]), None);
         bytes[0] = 0;
-        assert_eq!(read_visits(&bytes, 3), None);
+        assert_eq!(read_visits(&bytes, [3, 3]), None);
         assert_eq!(
             p1_by_epoch("epoch,p1,p2\n1,5,3\n2,7,4\n").unwrap(),
             [5.0, 7.0]

@@ -5,7 +5,7 @@ use super::document::{Block, Table};
 use super::plan::Plan;
 use super::published::{Published, published};
 use super::results::{Finding, Findings};
-use super::statistics::{Summary, summary};
+use crate::statistics::{Summary, summary};
 
 /// Epochs and runs of the thesis.
 const THESIS: (u32, u32) = (2_000, 15);

@@ -9,7 +9,7 @@ use swarm::run::{Phase, Progress, Run};
 
 use super::live::{LiveRun, Speed, View, coverage_of};
 use super::pace::Pace;
-use crate::artifacts::run_result;
+use crate::artifacts::{run_result, thread_cpu_s};
 use crate::channels::{ChannelSettings, FramePublisher};
 use crate::spec::{ResolvedRun, parse, resolve};
 use crate::store::{Checkpoint, ClaimedRun, Finished, Position, Store};
@@ -39,6 +39,7 @@ pub fn attempt(
     live: &LiveRun,
 ) -> Ended {
     let start = Instant::now();
+    let cpu_s = thread_cpu_s();
     let resolved = match stored_spec(store, &claimed.spec) {
         Ok(resolved) => resolved,
         Err(errors) => return Ended::Failed(spec_failure(errors)),
@@ -81,12 +82,15 @@ pub fn attempt(
         let steps = progress.robot_steps_done - done_before;
         live.set_pace(steps as f64 / start.elapsed().as_secs_f64().max(1e-9));
     }
+    let steps = progress.robot_steps_done - done_before;
     match run.outcome() {
         Some(outcome) => {
             let result = run_result(&outcome);
             Ended::Finished(Box::new(Finished {
                 result,
                 coverage: coverage_of(&run),
+                cpu_ns_per_robot_step: (steps > 0)
+                    .then(|| (thread_cpu_s() - cpu_s) * 1e9 / steps as f64),
             }))
         }
         None => Ended::Stopped(Box::new(run)),

@@ -39,6 +39,7 @@ pub fn coverage_of(run: &Run) -> Coverage {
         curve: run.curve().to_vec(),
         visits: run.visits(),
         dwell: run.dwell(),
+        metrics: run.metrics(),
     }
 }
 

@@ -12,6 +12,7 @@ pub fn new_job(job: ExpandedJob, request: JobRequest) -> NewJob {
         runs: runs
             .map(|(place, run)| new_run(run, job.label(place)))
             .collect(),
+        design: job.design(),
         name: job.name,
         request,
     }
@@ -42,9 +43,23 @@ fn uploaded_arenas(spec: &api::RunSpec) -> Vec<String> {
         train.and_then(|train| train.arena.as_ref()),
     ]
     .into_iter()
-    .filter_map(|arena| match arena {
-        Some(ArenaRef::Name(name)) if BuiltinArenas.arena(name).is_none() => Some(name.clone()),
-        _ => None,
-    })
+    .flatten()
+    .filter_map(name_of)
+    .filter(|name| BuiltinArenas.arena(name).is_none())
+    .map(str::to_owned)
     .collect()
+}
+
+/// The name by which an arena, or the one that it is made of, was asked for.
+fn name_of(arena: &ArenaRef) -> Option<&str> {
+    match arena {
+        ArenaRef::Name(name) => Some(name),
+        ArenaRef::Inline(object) => {
+            let mut from = object.get("from")?;
+            while let Some(inner) = from.get("from") {
+                from = inner;
+            }
+            from.as_str()
+        }
+    }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, LazyLock};
 
 use api::{ArenaRef, FieldError};
-use arenas::{Arena, ArenaFormat, Pose};
+use arenas::{Arena, ArenaFormat, Pose, SquaresFormat, Tiling};
 use serde_json::Value;
 use serde_path_to_error::Segment;
 
@@ -14,6 +14,10 @@ use super::fields::{Errors, Object, did_you_mean, join, kind};
 const FIELDS: [&str; 7] = [
     "name", "width_m", "height_m", "squares", "walls_m", "generate", "starts",
 ];
+/// Fields of an arena made of another.
+const TILED_FIELDS: [&str; 6] = ["from", "tile", "scale", "doorway_m", "squares", "name"];
+/// Deepest that such objects may hold each other.
+const MAX_DEPTH: u32 = 4;
 /// Fields of a start pose.
 const POSE_FIELDS: [&str; 3] = ["x_m", "y_m", "heading_rad"];
 
@@ -77,15 +81,7 @@ impl<'a> Arenas<'a> {
         let outcome = self
             .read
             .entry(value.to_string())
-            .or_insert_with(|| match value {
-                Value::String(name) => by_name(name, self.source),
-                Value::Object(_) => inline(value),
-                _ => {
-                    let message = format!("must be a name or an arena object, not {}", kind(value));
-                    let allowed = format!("{}, or an arena object", self.source.names().join(", "));
-                    Err(vec![FieldError::new("", message, allowed)])
-                }
-            });
+            .or_insert_with(|| find(value, self.source, MAX_DEPTH));
         match outcome {
             Ok(found) => Some(found.clone()),
             Err(wrong) => {
@@ -97,6 +93,106 @@ impl<'a> Arenas<'a> {
             }
         }
     }
+}
+
+fn find(value: &Value, source: &dyn ArenaSource, depth: u32) -> Result<Found, Vec<FieldError>> {
+    match value {
+        Value::String(name) => by_name(name, source),
+        Value::Object(map) if map.contains_key("from") => tiled(value, source, depth),
+        Value::Object(_) => inline(value),
+        _ => {
+            let message = format!("must be a name or an arena object, not {}", kind(value));
+            let allowed = format!("{}, or an arena object", source.names().join(", "));
+            Err(vec![FieldError::new("", message, allowed)])
+        }
+    }
+}
+
+/// An arena made of copies of another: `{"from": "easy", "tile": [3, 3]}`.
+fn tiled(value: &Value, source: &dyn ArenaSource, depth: u32) -> Result<Found, Vec<FieldError>> {
+    let mut errors = Errors::default();
+    let Some(object) = Object::open(value, "", TILED_FIELDS, &mut errors) else {
+        return Err(errors.into_vec());
+    };
+    let tiling = Tiling {
+        tile: field(
+            &object,
+            "tile",
+            "[columns, rows], whole numbers",
+            &mut errors,
+        )
+        .unwrap_or([1, 1]),
+        scale: field(&object, "scale", "a number", &mut errors).unwrap_or(1.0),
+        doorway_m: field(&object, "doorway_m", "a number of metres", &mut errors),
+        squares: field(
+            &object,
+            "squares",
+            "a whole number a side, or [columns, rows]",
+            &mut errors,
+        )
+        .map(SquaresFormat::sides),
+        name: field(&object, "name", "a string", &mut errors),
+    };
+    let from = match object.get("from") {
+        Some(_) if depth == 0 => Err(vec![FieldError::new(
+            "",
+            "too many arenas made of arenas",
+            format!("at most {MAX_DEPTH}, one in the other"),
+        )]),
+        Some(from) => find(from, source, depth - 1),
+        None => Err(vec![FieldError::new("", "missing", "an arena")]),
+    };
+    let from = from.map_err(|wrong| {
+        errors.extend(wrong.into_iter().map(|error| FieldError {
+            pointer: format!("/from{}", error.pointer),
+            ..error
+        }));
+    });
+    let Ok(from) = from else {
+        return Err(errors.into_vec());
+    };
+    if !errors.is_empty() {
+        return Err(errors.into_vec());
+    }
+    let arena = from
+        .arena
+        .tiled(&tiling)
+        .map_err(|errors| errors.into_iter().map(arena_error).collect::<Vec<_>>())?;
+    let per_tile = tiling.squares.unwrap_or(from.arena.squares());
+    let shown = serde_json::json!({
+        "from": from.shown,
+        "tile": tiling.tile,
+        "scale": tiling.scale,
+        "doorway_m": tiling.doorway_m,
+        "squares": SquaresFormat::from(per_tile),
+        "name": arena.name(),
+    });
+    let Value::Object(shown) = shown else {
+        return Err(Vec::new());
+    };
+    Ok(Found {
+        arena: Arc::new(arena),
+        shown: ArenaRef::Inline(shown),
+    })
+}
+
+/// A field of an arena made of another; `None` when it is absent or null, or wrong.
+fn field<T: serde::de::DeserializeOwned>(
+    object: &Object<'_>,
+    name: &str,
+    allowed: &str,
+    errors: &mut Errors,
+) -> Option<T> {
+    let value = object.get(name).filter(|value| !value.is_null())?;
+    let read = T::deserialize(value);
+    if read.is_err() {
+        errors.add(
+            object.pointer(name),
+            format!("{value} is not that"),
+            allowed,
+        );
+    }
+    read.ok()
 }
 
 fn by_name(name: &str, source: &dyn ArenaSource) -> Result<Found, Vec<FieldError>> {
@@ -161,7 +257,10 @@ fn shown(arena: &Arena) -> serde_json::Map<String, Value> {
         ("name", Value::from(arena.name())),
         ("width_m", Value::from(arena.width_m())),
         ("height_m", Value::from(arena.height_m())),
-        ("squares", Value::from(arena.squares())),
+        (
+            "squares",
+            serde_json::json!(SquaresFormat::from(arena.squares())),
+        ),
         ("walls_m", arena.walls().iter().map(wall).collect()),
         ("starts", arena.starts().iter().map(start).collect()),
     ]

@@ -8,8 +8,8 @@ use serde_json::{Map, Value};
 
 use super::arena::{ArenaSource, Arenas};
 use super::fields::{Errors, Object, did_you_mean, join, kind};
-use super::labels::labels;
-use super::matrix::{Axis, axes, combination, place_of};
+use super::labels::{labels, shortened};
+use super::matrix::{Axis, Target, axes, combination, place_of};
 use super::placement::misfits;
 use super::resolve::{MAX_SEED, resolve_with};
 use super::resolved::ResolvedRun;
@@ -26,6 +26,24 @@ const ENOUGH_ERRORS: usize = 100;
 
 const FIELDS: [&str; 6] = ["schema", "name", "base", "matrix", "seeds", "template"];
 
+/// What a job varies: its runs are the product of the axes, the last one fastest, and of seeds.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Design {
+    /// Seeds of each combination.
+    pub seeds: usize,
+    /// In order.
+    pub axes: Vec<DesignAxis>,
+}
+
+/// An axis: places in the run spec that vary together.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct DesignAxis {
+    /// Dotted paths, mostly one.
+    pub paths: Vec<String>,
+    /// For each value one entry a path; long ones in short.
+    pub values: Vec<Vec<Value>>,
+}
+
 /// A job's runs.
 #[derive(Clone, Debug)]
 pub struct ExpandedJob {
@@ -36,9 +54,21 @@ pub struct ExpandedJob {
     pub runs: Vec<ResolvedRun>,
     /// One for each combination.
     labels: Vec<String>,
+    /// What varies.
+    axes: Vec<DesignAxis>,
 }
 
 impl ExpandedJob {
+    /// What the job varies, as JSON.
+    pub fn design(&self) -> String {
+        let design = Design {
+            seeds: self.runs.len() / self.labels.len().max(1),
+            axes: self.axes.clone(),
+        };
+        // Strings and JSON values: JSON can hold all of them.
+        serde_json::to_string(&design).unwrap_or_default()
+    }
+
     /// What of the matrix the run at `place` of `runs` has, in words; empty when nothing varies.
     pub fn label(&self, place: usize) -> &str {
         let seeds = self.runs.len() / self.labels.len().max(1);
@@ -168,7 +198,27 @@ fn read(job: &Value, arenas: &dyn ArenaSource, errors: &mut Errors) -> Option<Ex
         name,
         runs,
         labels: labels(&axes, combinations),
+        axes: axes.iter().map(design_axis).collect(),
     })
+}
+
+/// An axis as it is stored with the job.
+fn design_axis(axis: &Axis<'_>) -> DesignAxis {
+    let value = |index, target| shortened(axis.value(index, target));
+    DesignAxis {
+        paths: axis
+            .targets
+            .iter()
+            .map(|target| target.path.to_owned())
+            .collect(),
+        values: (0..axis.values.len())
+            .map(|index| {
+                (0..axis.targets.len())
+                    .map(|target| value(index, target))
+                    .collect()
+            })
+            .collect(),
+    }
 }
 
 /// Bytes of a value as text.
@@ -322,24 +372,29 @@ fn resolve_all(
 /// A run's error as one of the job: at the value of the innermost axis that holds the field or
 /// leads into it, or in the base run.
 fn in_job(error: FieldError, axes: &[Axis<'_>], place: usize) -> FieldError {
-    let within = |axis: &Axis<'_>| match error.pointer.strip_prefix(axis.pointer.as_str()) {
+    let within = |target: &Target<'_>| match error.pointer.strip_prefix(target.pointer.as_str()) {
         Some(rest) if rest.is_empty() || rest.starts_with('/') => Some(rest.to_owned()),
         // The axis leads into a field that cannot hold it.
-        _ if !error.pointer.is_empty() && leads_into(&error.pointer, axis) => Some(String::new()),
+        _ if !error.pointer.is_empty() && leads_into(&error.pointer, target) => Some(String::new()),
         _ => None,
     };
     let pointer = axes
         .iter()
         .zip(place_of(axes, place))
-        .filter_map(|(axis, index)| Some((axis, index, within(axis)?)))
-        .max_by_key(|(axis, _, _)| axis.pointer.len())
-        .map(|(axis, index, rest)| format!("{}/{index}{rest}", join("/matrix", axis.path)))
+        .flat_map(|(axis, index)| {
+            let targets = axis.targets.iter().enumerate();
+            targets.map(move |(number, target)| (axis.place(index, number), target))
+        })
+        .filter_map(|(place, target)| Some((place, target, within(target)?)))
+        .max_by_key(|(_, target, _)| target.pointer.len())
+        .map(|(place, _, rest)| format!("{place}{rest}"))
         .unwrap_or_else(|| format!("/base{}", error.pointer));
     FieldError { pointer, ..error }
 }
 
-fn leads_into(pointer: &str, axis: &Axis<'_>) -> bool {
-    axis.pointer
+fn leads_into(pointer: &str, target: &Target<'_>) -> bool {
+    target
+        .pointer
         .strip_prefix(pointer)
         .is_some_and(|rest| rest.starts_with('/'))
 }

@@ -267,3 +267,89 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn paths_that_vary_together_are_one_axis() {
+    let job = |matrix: Value| {
+        json!({
+            "base": { "controller": { "method": "brownian" }, "arena": { "from": "easy" }, "epochs": 1 },
+            "matrix": matrix, "seeds": { "first": 1, "count": 2 }
+        })
+    };
+    let expanded = expand(
+        &job(json!({ "robots+arena.tile": [[1, [1, 1]], [4, [2, 2]]] })),
+        &BuiltinArenas,
+    )
+    .unwrap();
+    let seen: Vec<_> = expanded
+        .runs
+        .iter()
+        .map(|run| (run.run_spec().robots, run.arena().name().to_owned()))
+        .collect();
+    assert_eq!(seen[0], (1, "easy-1x1".to_owned()));
+    assert_eq!(seen[2], (4, "easy-2x2".to_owned()));
+    assert_eq!(seen.len(), 4);
+    assert_eq!(expanded.label(2), "robots+tile 4 + [2,2]");
+    let design: Design = serde_json::from_str(&expanded.design()).unwrap();
+    assert_eq!((design.seeds, design.axes.len()), (2, 1));
+    assert_eq!(design.axes[0].values[1], [json!(4), json!([2, 2])]);
+
+    let check = |matrix: Value, pointer: &str, words: &str| check_job(job(matrix), pointer, words);
+    let linked = "/matrix/robots+arena.tile";
+    let at = |place: &str| format!("{linked}{place}");
+    check(
+        json!({ "robots+arena.tile": [[1, [1, 1]], 4] }),
+        &at("/1"),
+        "must be a list",
+    );
+    check(
+        json!({ "robots+arena.tile": [[1]] }),
+        &at("/0"),
+        "1 values for 2 paths",
+    );
+    check(
+        json!({ "robots+arena.tile": [[0, [1, 1]]] }),
+        &at("/0/0"),
+        "0 is not",
+    );
+    check(
+        json!({ "robots+arena.tile": [[1, [1, 99]]] }),
+        &at("/0/1/1"),
+        "99 rows",
+    );
+    check(
+        json!({ "robots+arena.tile": [[2, [1, 1]]] }),
+        &at("/0/0"),
+        "at most 1 robots",
+    );
+    check(
+        json!({ "robots+": [[1, 2]] }),
+        "/matrix/robots+",
+        "vary together",
+    );
+    check(
+        json!({ "robots": [1], "robots+arena.tile": [[1, [1, 1]]] }),
+        linked,
+        "robots is set twice",
+    );
+    check(
+        json!({ "robots+seed": [[1, 2]] }),
+        "/matrix/robots+seed",
+        "no axis",
+    );
+}
+
+#[test]
+fn robots_are_an_axis() {
+    let job = json!({
+        "base": { "controller": { "method": "brownian" }, "placement": "random", "epochs": 1 },
+        "matrix": { "robots": [1, 2, 4] }, "seeds": [3, 5]
+    });
+    let expanded = expand(&job, &BuiltinArenas).unwrap();
+    let robots: Vec<u32> = expanded
+        .runs
+        .iter()
+        .map(|run| run.run_spec().robots)
+        .collect();
+    assert_eq!(robots, [1, 1, 2, 2, 4, 4]);
+}

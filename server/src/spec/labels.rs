@@ -8,14 +8,14 @@ use super::matrix::{Axis, place_of};
 const MAX_CHARACTERS: usize = 40;
 
 /// The words of an axis: its name and those of its values, no two alike.
-struct Words<'a> {
-    name: &'a str,
+struct Words {
+    name: String,
     values: Vec<String>,
 }
 
 /// A label for each combination, in their order; axes of one value do not show.
 pub fn labels(axes: &[Axis<'_>], combinations: usize) -> Vec<String> {
-    let words: Vec<Option<Words<'_>>> = axes
+    let words: Vec<Option<Words>> = axes
         .iter()
         .map(|axis| (axis.values.len() > 1).then(|| words(axis, axes)))
         .collect();
@@ -33,14 +33,28 @@ pub fn labels(axes: &[Axis<'_>], combinations: usize) -> Vec<String> {
     (0..combinations).map(label).collect()
 }
 
-fn words<'a>(axis: &Axis<'a>, axes: &[Axis<'_>]) -> Words<'a> {
-    let last = |path: &'a str| path.rsplit('.').next().unwrap_or(path);
-    let short = last(axis.path);
-    let alike = axes
-        .iter()
-        .filter(|other| other.path.rsplit('.').next() == Some(short));
-    let name = if alike.count() == 1 { short } else { axis.path };
-    let mut values: Vec<String> = axis.values.iter().map(in_short).collect();
+/// The last names of an axis' paths.
+fn short(path: &str) -> String {
+    let last = |path: &str| path.rsplit('.').next().unwrap_or_default().to_owned();
+    path.split('+').map(last).collect::<Vec<_>>().join("+")
+}
+
+fn words(axis: &Axis<'_>, axes: &[Axis<'_>]) -> Words {
+    let name_of = short(axis.path);
+    let alike = axes.iter().filter(|other| short(other.path) == name_of);
+    let name = if alike.count() == 1 {
+        name_of
+    } else {
+        axis.path.to_owned()
+    };
+    let mut values: Vec<String> = (0..axis.values.len())
+        .map(|index| {
+            let parts: Vec<String> = (0..axis.targets.len())
+                .map(|target| in_short(axis.value(index, target)))
+                .collect();
+            parts.join(" + ")
+        })
+        .collect();
     let mut sorted: Vec<&String> = values.iter().collect();
     sorted.sort();
     if sorted.windows(2).any(|pair| pair[0] == pair[1]) {
@@ -51,9 +65,18 @@ fn words<'a>(axis: &Axis<'a>, axes: &[Axis<'_>]) -> Words<'a> {
     Words { name, values }
 }
 
+/// A value as it is, or in short where it is long.
+pub fn shortened(value: &Value) -> Value {
+    if value.to_string().len() <= 200 {
+        value.clone()
+    } else {
+        Value::from(in_short(value))
+    }
+}
+
 /// A value in short: of an object what names it, if anything does.
 fn in_short(value: &Value) -> String {
-    let naming = ["name", "method", "preset"];
+    let naming = ["name", "method", "preset", "mode"];
     let text = match naming.into_iter().find_map(|field| value.get(field)) {
         Some(Value::String(name)) => name.clone(),
         _ => match value {

@@ -1,19 +1,58 @@
 //! The matrix of a job: axes of dotted paths, and the spec of each combination.
 
+use std::collections::BTreeSet;
+
 use api::FieldError;
 use serde_json::{Map, Value};
 
 use super::fields::{Errors, join, kind};
 
-/// One axis: a place in the run spec and the values to put there.
+/// One axis: a place in the run spec and the values to put there, or several places that vary
+/// together (`robots+arena.tile`), each value a list with one entry a place.
 #[derive(Debug)]
 pub struct Axis<'a> {
-    /// Dotted path, as in the job.
+    /// Dotted paths with `+` between them, as in the job.
+    pub path: &'a str,
+    /// The places.
+    pub targets: Vec<Target<'a>>,
+    /// At least one.
+    pub values: &'a [Value],
+}
+
+/// A place in the run spec.
+#[derive(Debug)]
+pub struct Target<'a> {
+    /// Dotted path.
     pub path: &'a str,
     /// The same place as a JSON pointer into a run spec.
     pub pointer: String,
-    /// At least one.
-    pub values: &'a [Value],
+}
+
+impl<'a> Axis<'a> {
+    /// Whether it has several places.
+    pub fn is_linked(&self) -> bool {
+        self.targets.len() > 1
+    }
+
+    /// The value at `index` for one of the places.
+    pub fn value(&self, index: usize, target: usize) -> &'a Value {
+        let value = &self.values[index];
+        if self.is_linked() {
+            &value[target]
+        } else {
+            value
+        }
+    }
+
+    /// Where in the job that value stands.
+    pub fn place(&self, index: usize, target: usize) -> String {
+        let value = format!("{}/{index}", join("/matrix", self.path));
+        if self.is_linked() {
+            format!("{value}/{target}")
+        } else {
+            value
+        }
+    }
 }
 
 /// The axes in order of their paths; `None` when any is wrong.
@@ -32,39 +71,78 @@ pub fn axes<'a>(matrix: &'a Value, errors: &mut Errors) -> Option<Vec<Axis<'a>>>
         .filter_map(|(path, values)| axis(path, values, errors))
         .collect();
     axes.sort_by_key(|axis| axis.path);
-    (axes.len() == map.len()).then_some(axes)
+    let mut seen = BTreeSet::new();
+    let mut twice = false;
+    for axis in &axes {
+        for target in &axis.targets {
+            if !seen.insert(target.path) {
+                let message = format!("{} is set twice", target.path);
+                errors.add(join("/matrix", axis.path), message, "each path once");
+                twice = true;
+            }
+        }
+    }
+    (!twice && axes.len() == map.len()).then_some(axes)
 }
 
 fn axis<'a>(path: &'a str, values: &'a Value, errors: &mut Errors) -> Option<Axis<'a>> {
     let place = join("/matrix", path);
-    if path.split('.').any(str::is_empty) {
-        errors.add(place, "is no dotted path", "such as controller.alpha");
+    let targets: Vec<Target<'a>> = path.split('+').map(target).collect();
+    if targets
+        .iter()
+        .any(|target| target.path.split('.').any(str::is_empty))
+    {
+        let allowed = "such as controller.alpha, or robots+arena.tile for two that vary together";
+        errors.add(place, "is no dotted path", allowed);
         return None;
     }
-    if path == "seed" {
+    if targets.iter().any(|target| target.path == "seed") {
         errors.add(place, "seeds are no axis", "the job's field seeds");
         return None;
     }
-    match values {
-        Value::Array(values) if !values.is_empty() => {
-            let pointer = path
-                .split('.')
-                .fold(String::new(), |pointer, name| join(&pointer, name));
-            Some(Axis {
-                path,
-                pointer,
-                values,
-            })
-        }
+    let values = match values {
+        Value::Array(values) if !values.is_empty() => values,
         Value::Array(_) => {
             errors.add(place, "holds no value", "a list of at least one value");
-            None
+            return None;
         }
         _ => {
             let message = format!("must be a list, not {}", kind(values));
             errors.add(place, message, "a list of at least one value");
-            None
+            return None;
         }
+    };
+    if targets.len() > 1 {
+        let wrong = |value: &Value| value.as_array().map(Vec::len) != Some(targets.len());
+        let mut any = false;
+        for (index, value) in values.iter().enumerate().filter(|(_, value)| wrong(value)) {
+            let message = match value.as_array() {
+                Some(entries) => {
+                    format!("holds {} values for {} paths", entries.len(), targets.len())
+                }
+                None => format!("must be a list, not {}", kind(value)),
+            };
+            let allowed = format!("a list of {} values, one a path", targets.len());
+            errors.add(format!("{place}/{index}"), message, allowed);
+            any = true;
+        }
+        if any {
+            return None;
+        }
+    }
+    Some(Axis {
+        path,
+        targets,
+        values,
+    })
+}
+
+fn target(path: &str) -> Target<'_> {
+    Target {
+        path,
+        pointer: path
+            .split('.')
+            .fold(String::new(), |pointer, name| join(&pointer, name)),
     }
 }
 
@@ -91,14 +169,16 @@ pub fn place_of(axes: &[Axis<'_>], place: usize) -> Vec<usize> {
 pub fn combination(base: &Value, axes: &[Axis<'_>], place: usize) -> Result<Value, FieldError> {
     let mut spec = base.clone();
     for (axis, index) in axes.iter().zip(place_of(axes, place)) {
-        put(&mut spec, axis, &axis.values[index])?;
+        for number in 0..axis.targets.len() {
+            put(&mut spec, axis, index, number)?;
+        }
     }
     Ok(spec)
 }
 
-fn put(spec: &mut Value, axis: &Axis<'_>, value: &Value) -> Result<(), FieldError> {
+fn put(spec: &mut Value, axis: &Axis<'_>, index: usize, number: usize) -> Result<(), FieldError> {
     let mut place = spec;
-    for name in axis.path.split('.') {
+    for name in axis.targets[number].path.split('.') {
         let found = kind(place);
         let Value::Object(map) = place else {
             let message = format!("leads to a field {name:?} of {found}");
@@ -110,6 +190,6 @@ fn put(spec: &mut Value, axis: &Axis<'_>, value: &Value) -> Result<(), FieldErro
         };
         place = map.entry(name).or_insert_with(|| Value::Object(Map::new()));
     }
-    *place = value.clone();
+    *place = axis.value(index, number).clone();
     Ok(())
 }

@@ -7,6 +7,7 @@ mod controller;
 mod expand;
 mod fields;
 mod labels;
+mod learning;
 mod listing;
 mod matrix;
 mod placement;
@@ -15,7 +16,7 @@ mod resolved;
 mod templates;
 
 pub use arena::{ArenaSource, BuiltinArenas, arena_error};
-pub use expand::{ExpandedJob, MAX_RUNS, expand, run_count};
+pub use expand::{Design, DesignAxis, ExpandedJob, MAX_RUNS, expand, run_count};
 pub use listing::controllers;
 pub use resolve::{MAX_EPOCHS, MAX_ROBOTS, MAX_SEED, MAX_STEPS_PER_EPOCH, field_error, resolve};
 pub use resolved::ResolvedRun;

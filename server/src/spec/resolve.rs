@@ -1,12 +1,13 @@
 //! A run spec as posted, checked field by field and filled in.
 
-use api::{FieldError, RecordSpec, SCHEMA, SharingSpec};
+use api::{FieldError, RecordSpec, SCHEMA};
 use serde_json::Value;
 use swarm::spec::{EngineKind, Episodes, Placement, RunSpec};
 
 use super::arena::{ArenaSource, Arenas};
 use super::controller;
 use super::fields::{Errors, Object};
+use super::learning;
 use super::resolved::ResolvedRun;
 
 /// Most counted epochs, and most training epochs.
@@ -103,19 +104,13 @@ fn read(spec: &Value, arenas: &mut Arenas<'_>, errors: &mut Errors) -> Option<Re
         EngineKind::Kinematic,
         errors,
     );
-    if object
-        .get("memory_budget_bytes")
-        .is_some_and(|value| !value.is_null())
-    {
-        let message = "a memory budget is not supported yet";
-        errors.add(object.pointer("memory_budget_bytes"), message, "null");
-    }
-    sharing(section("sharing"), errors);
+    let memory_budget_bytes = learning::memory_budget_bytes(&object, errors);
+    let sharing = learning::sharing(section("sharing"), errors);
     record(section("record"), errors);
     let channels = object.flag("channels", false, errors);
 
-    let (arena, (controller, controller_shown), (robot, robot_shown)) =
-        (arena?, controller?, robot?);
+    let (arena, (controller, controller_shown), (robot, robot_shown), (sharing, sharing_shown)) =
+        (arena?, controller?, robot?, sharing?);
     let run = RunSpec {
         seed,
         arena: arena.arena,
@@ -127,6 +122,8 @@ fn read(spec: &Value, arenas: &mut Arenas<'_>, errors: &mut Errors) -> Option<Re
         episodes,
         robot,
         engine,
+        memory_budget_bytes,
+        sharing,
     };
     let shown = api::RunSpec {
         schema: Some(SCHEMA),
@@ -140,37 +137,14 @@ fn read(spec: &Value, arenas: &mut Arenas<'_>, errors: &mut Errors) -> Option<Re
         episodes: Some(episodes.name().to_owned()),
         robot: Some(robot_shown),
         engine: Some(engine.name().to_owned()),
-        memory_budget_bytes: Value::Null,
-        sharing: Some(SharingSpec {
-            mode: Some("none".to_owned()),
-        }),
+        memory_budget_bytes: memory_budget_bytes.map_or(Value::Null, Value::from),
+        sharing: Some(sharing_shown),
         record: Some(RecordSpec {
             every_steps: Some(0),
         }),
         channels: Some(channels),
     };
     Some(ResolvedRun::new(run, shown, channels))
-}
-
-/// Part of the contract, of which only the mode without sharing is built.
-fn sharing(value: &Value, errors: &mut Errors) {
-    let Some(object) = Object::open(value, "/sharing", ["mode"], errors) else {
-        return;
-    };
-    match object.get("mode") {
-        None => {}
-        Some(Value::String(mode)) if mode == "none" => {}
-        Some(Value::String(mode)) if mode == "arena" || mode == "radio" => {
-            errors.add(
-                object.pointer("mode"),
-                format!("{mode:?} is not supported yet"),
-                "none",
-            );
-        }
-        Some(_) => {
-            object.choice("mode", &["none"], |_| None, (), errors);
-        }
-    }
 }
 
 /// Part of the contract, of which only a run without a recording is built.

@@ -159,14 +159,39 @@ fn wrong_specs_are_refused_where_they_are_wrong() {
     );
     check(json!({ "channels": "yes" }), "/channels", "true or false");
     check(
-        json!({ "memory_budget_bytes": "e-puck" }),
+        json!({ "memory_budget_bytes": "e-puk" }),
         "/memory_budget_bytes",
-        "not supported yet",
+        "did you mean \"e-puck\"?",
     );
     check(
-        json!({ "sharing": { "mode": "radio" } }),
+        json!({ "memory_budget_bytes": 100 }),
+        "/memory_budget_bytes",
+        "at least ",
+    );
+    check(
+        json!({ "memory_budget_bytes": true }),
+        "/memory_budget_bytes",
+        "not a truth value",
+    );
+    check(
+        json!({ "sharing": { "mode": "radio", "range_m": -1 } }),
+        "/sharing/range_m",
+        "from 0 to 100",
+    );
+    check(
+        json!({ "sharing": { "mode": "radio", "bytes_per_step": 5 } }),
+        "/sharing/bytes_per_step",
+        "from 6 to 4096",
+    );
+    check(
+        json!({ "sharing": { "mode": "arena", "range_m": 1 } }),
+        "/sharing/range_m",
+        "has no radio",
+    );
+    check(
+        json!({ "sharing": { "mode": "radio" }, "controller": { "method": "brownian" } }),
         "/sharing/mode",
-        "not supported yet",
+        "learns nothing",
     );
     check(
         json!({ "sharing": { "mode": "non" } }),
@@ -336,4 +361,69 @@ proptest! {
             Err(errors) => prop_assert!(!errors.is_empty()),
         }
     }
+}
+
+#[test]
+fn arenas_are_made_of_copies_of_others() {
+    let run = resolved(json!({
+        "arena": { "from": "easy", "tile": [3, 2] }, "robots": 6, "controller": { "method": "brownian" }
+    }));
+    assert_eq!(run.arena().name(), "easy-3x2");
+    assert_eq!(run.arena().squares(), [300, 200]);
+    let again = resolved(serde_json::from_str(&run.canonical_json()).unwrap());
+    assert_eq!(
+        (again.key(), again.canonical_json()),
+        (run.key(), run.canonical_json())
+    );
+    let nested = resolved(json!({
+        "arena": { "from": { "from": two_rooms(), "scale": 2 }, "tile": [2, 1], "squares": 50, "doorway_m": 0.3 }
+    }));
+    assert_eq!(nested.arena().squares(), [100, 50]);
+    assert!((nested.arena().width_m() - 2.4).abs() < 1e-9);
+
+    let check = |arena: Value, pointer: &str, words: &str| {
+        let spec = json!({ "arena": arena });
+        refused(resolve(&spec, &BuiltinArenas).map(drop), pointer, words);
+    };
+    check(json!({ "from": "esay" }), "/arena/from", "\"easy\"?");
+    check(
+        json!({ "from": "easy", "tiles": [1, 1] }),
+        "/arena/tiles",
+        "\"tile\"?",
+    );
+    check(
+        json!({ "from": "easy", "tile": 3 }),
+        "/arena/tile",
+        "3 is not",
+    );
+    check(
+        json!({ "from": "easy", "tile": [1, -1] }),
+        "/arena/tile",
+        "columns, rows",
+    );
+    check(
+        json!({ "from": "easy", "tile": [11, 1] }),
+        "/arena/tile/0",
+        "1 to 10 columns",
+    );
+    check(
+        json!({ "from": "easy", "scale": 0 }),
+        "/arena/scale",
+        "out of range",
+    );
+    check(
+        json!({ "from": "easy", "doorway_m": 9 }),
+        "/arena/doorway_m",
+        "shorter side",
+    );
+    check(
+        json!({ "from": { "from": 3 } }),
+        "/arena/from/from",
+        "a name or an arena object",
+    );
+    let mut deep = json!("easy");
+    for _ in 0..9 {
+        deep = json!({ "from": deep });
+    }
+    check(deep, "/arena/from/from/from/from", "at most 4");
 }

@@ -105,6 +105,11 @@ impl ResolvedRun {
         self.common.run.robot.parameters.body_radius_m
     }
 
+    /// Length of a control step, seconds.
+    pub fn step_s(&self) -> f64 {
+        self.common.run.robot.parameters.step_s
+    }
+
     /// Whether local programs can watch the run through shared memory.
     pub fn channels(&self) -> bool {
         self.common.channels

@@ -11,7 +11,7 @@ use sha2::{Digest, Sha256};
 
 use super::{Coverage, StoreError};
 
-const MAGIC: [u8; 8] = *b"EVSWCP01";
+const MAGIC: [u8; 8] = *b"EVSWCP02";
 const SUFFIX: &str = ".checkpoint";
 
 /// A run stopped on the way.
@@ -181,6 +181,7 @@ mod tests {
             curve: Vec::new(),
             visits: vec![1, 0, 3],
             dwell: vec![2, 0, 5],
+            metrics: Default::default(),
         };
         Checkpoint {
             coverage,

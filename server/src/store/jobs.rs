@@ -59,6 +59,8 @@ impl JobRequest {
 pub struct NewJob {
     /// Text given by who posted it.
     pub name: String,
+    /// What it varies, as JSON.
+    pub design: String,
     /// The request that asked for it.
     pub request: JobRequest,
     /// Its runs in order; one that is stored already is shared.
@@ -157,11 +159,16 @@ impl Store {
         }
         let seq: JobSeq = transaction
             .prepare_cached(
-                "INSERT INTO jobs (name, request_sha256, idempotency_key)
-                 VALUES (?1, ?2, ?3) RETURNING seq",
+                "INSERT INTO jobs (name, request_sha256, idempotency_key, design)
+                 VALUES (?1, ?2, ?3, ?4) RETURNING seq",
             )?
             .query_row(
-                params![job.name, job.request.sha256, job.request.idempotency_key],
+                params![
+                    job.name,
+                    job.request.sha256,
+                    job.request.idempotency_key,
+                    job.design
+                ],
                 |row| row.get(0),
             )?;
         let mut waiting = Vec::new();
@@ -205,6 +212,19 @@ impl Store {
             .query_row([seq], head)
             .optional()?;
         found.map(|head| view(&connection, head)).transpose()
+    }
+
+    /// What a job varies, as JSON; `None` for jobs of versions that did not store it.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn design(&self, seq: JobSeq) -> Result<Option<String>, StoreError> {
+        Ok(self
+            .connection()
+            .prepare_cached("SELECT design FROM jobs WHERE seq = ?1")?
+            .query_row([seq], |row| row.get(0))
+            .optional()?
+            .flatten())
     }
 
     /// At most `limit` jobs, newest first, older than `before` when that is given.

@@ -2,12 +2,12 @@
 
 use rusqlite::{OptionalExtension, params};
 use serde::{Deserialize, Serialize};
-use swarm::run::CurveRow;
+use swarm::run::{CurveRow, MetricsLog};
 
 use super::{RunSeq, Store, StoreError};
 
 /// What a run has covered so far.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Coverage {
     /// One row a completed counted epoch.
     pub curve: Vec<CurveRow>,
@@ -15,6 +15,8 @@ pub struct Coverage {
     pub visits: Vec<u32>,
     /// Steps spent a square, same shape.
     pub dwell: Vec<u32>,
+    /// Swarm metrics over time; empty in results of versions that had none.
+    pub metrics: MetricsLog,
 }
 
 /// What a finished run leaves.
@@ -24,6 +26,12 @@ pub struct Finished {
     pub result: api::RunResult,
     /// The whole curve and the final counts.
     pub coverage: Coverage,
+    /// Processor time a robot-step, nanoseconds, of the last time that a worker held the run.
+    pub cpu_ns_per_robot_step: Option<f64>,
+}
+
+fn read<T: serde::de::DeserializeOwned>(what: &'static str, blob: &[u8]) -> Result<T, StoreError> {
+    postcard::from_bytes(blob).map_err(|error| StoreError::unreadable(what, error))
 }
 
 impl Store {
@@ -32,15 +40,38 @@ impl Store {
     /// # Errors
     /// When the database fails or holds what cannot be read.
     pub fn coverage(&self, run: RunSeq) -> Result<Option<Coverage>, StoreError> {
-        let blob: Option<Vec<u8>> = self
+        let blobs: Option<(Vec<u8>, Option<Vec<u8>>)> = self
             .connection()
-            .prepare_cached("SELECT coverage FROM results WHERE run = ?1")?
-            .query_row([run], |row| row.get(0))
+            .prepare_cached("SELECT coverage, metrics FROM results WHERE run = ?1")?
+            .query_row([run], |row| Ok((row.get(0)?, row.get(1)?)))
             .optional()?;
-        blob.map(|blob| {
-            postcard::from_bytes(&blob).map_err(|error| StoreError::unreadable("coverage", error))
-        })
-        .transpose()
+        blobs
+            .map(|(coverage, metrics)| {
+                let (curve, visits, dwell) = read("coverage", &coverage)?;
+                let metrics = metrics
+                    .map(|metrics| read("metrics", &metrics))
+                    .transpose()?;
+                Ok(Coverage {
+                    curve,
+                    visits,
+                    dwell,
+                    metrics: metrics.unwrap_or_default(),
+                })
+            })
+            .transpose()
+    }
+
+    /// Processor time a robot-step of a finished run, nanoseconds, where it is known.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn cost(&self, run: RunSeq) -> Result<Option<f64>, StoreError> {
+        Ok(self
+            .connection()
+            .prepare_cached("SELECT cpu_ns_per_robot_step FROM results WHERE run = ?1")?
+            .query_row([run], |row| row.get(0))
+            .optional()?
+            .flatten())
     }
 
     /// Stores what a run found and makes it done, as one. Returns whether the run was still wanted:
@@ -49,8 +80,16 @@ impl Store {
     /// # Errors
     /// When the database fails; nothing is stored then.
     pub fn finish(&self, run: RunSeq, finished: &Finished) -> Result<bool, StoreError> {
-        let coverage = postcard::to_allocvec(&finished.coverage)
+        let Coverage {
+            curve,
+            visits,
+            dwell,
+            metrics,
+        } = &finished.coverage;
+        let coverage = postcard::to_allocvec(&(curve, visits, dwell))
             .map_err(|error| StoreError::unreadable("coverage", error))?;
+        let metrics = postcard::to_allocvec(metrics)
+            .map_err(|error| StoreError::unreadable("metrics", error))?;
         let result = serde_json::to_string(&finished.result)
             .map_err(|error| StoreError::unreadable("result", error))?;
         let mut connection = self.connection();
@@ -66,8 +105,17 @@ impl Store {
             return Ok(false);
         }
         transaction
-            .prepare_cached("INSERT INTO results (run, result, coverage) VALUES (?1, ?2, ?3)")?
-            .execute(params![run, result, coverage])?;
+            .prepare_cached(
+                "INSERT INTO results (run, result, coverage, metrics, cpu_ns_per_robot_step)
+                 VALUES (?1, ?2, ?3, ?4, ?5)",
+            )?
+            .execute(params![
+                run,
+                result,
+                coverage,
+                metrics,
+                finished.cpu_ns_per_robot_step
+            ])?;
         transaction.commit()?;
         Ok(true)
     }

@@ -23,6 +23,7 @@ fn new_run(id: &str) -> NewRun {
 
 fn new_job(ids: &[&str]) -> NewJob {
     NewJob {
+        design: String::new(),
         name: "a job".to_owned(),
         request: JobRequest::new(ids.concat().as_bytes(), None),
         runs: ids.iter().map(|id| new_run(id)).collect(),
@@ -54,11 +55,13 @@ fn finished() -> Finished {
             p5: 1.0 / 6.0,
             p10: 0.0,
         },
+        metrics: None,
         steps: 1_234,
         collisions: 5,
         clusters: api::ClusterCounts::default(),
         model: None,
         bytes: 99,
+        memory: api::Memory::default(),
         state_sha256: "00".repeat(32),
     };
     let curve = vec![swarm::run::CurveRow {
@@ -74,7 +77,13 @@ fn finished() -> Finished {
             curve,
             visits: vec![1, 2, 0],
             dwell: vec![4, 5, 0],
+            metrics: swarm::run::MetricsLog {
+                reachable: 3,
+                first_entry: vec![1, 2, 0],
+                ..Default::default()
+            },
         },
+        cpu_ns_per_robot_step: Some(123.5),
     }
 }
 
@@ -353,7 +362,7 @@ fn an_arena_in_use_stays() {
         height_m: 1.0,
         walls: 0,
         starts: 1,
-        squares: 100,
+        squares: api::Squares::Side(100),
         reachable: 9_000,
     };
     let arena = StoredArena {

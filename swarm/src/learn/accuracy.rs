@@ -81,9 +81,9 @@ pub fn divergence(model: &Repository, reference: &TransitionCounts, smoothing: f
             let counts = reference.of(i, j);
             let total: u64 = counts.iter().map(|c| u64::from(*c)).sum();
             let total = total as f64 + smoothing * f64::from(reference.ns);
-            for (seen, expected) in model.transition_counts(i, j).iter().zip(counts) {
-                if *seen > 0 {
-                    let p = f64::from(*seen) / n;
+            for (seen, expected) in model.transition_counts(i, j).zip(counts) {
+                if seen > 0 {
+                    let p = f64::from(seen) / n;
                     let p_reference = (f64::from(*expected) + smoothing) / total;
                     result.sum_nats += p * libm::log(p / p_reference);
                 }

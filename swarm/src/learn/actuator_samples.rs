@@ -20,13 +20,14 @@ impl ActuatorSamples {
     /// Empty samples of the clusters with these centres; `cap` at least one.
     pub fn new(centres: &Centres<2>, cap: u32, stream: Stream) -> Self {
         let cap = cap.max(1);
-        let repeated = centres
-            .iter()
-            .flat_map(|centre| (0..cap).map(move |_| centre));
+        let mut commands = Vec::with_capacity(centres.len() as usize * cap as usize);
+        for centre in centres.iter() {
+            commands.extend(std::iter::repeat_n(centre, cap as usize));
+        }
         Self {
             cap,
             offered: vec![0; centres.len() as usize],
-            commands: repeated.collect(),
+            commands,
             stream,
         }
     }
@@ -53,11 +54,16 @@ impl ActuatorSamples {
         self.commands[cluster as usize * self.cap as usize + below(bits, held) as usize]
     }
 
-    /// Bytes held, exactly counted.
-    pub fn bytes(&self) -> usize {
-        size_of::<Self>()
-            + self.offered.len() * size_of::<u64>()
-            + self.commands.len() * size_of::<[f32; 2]>()
+    /// Bytes held besides the value itself by samples of `cap` commands of each cluster.
+    pub fn heap_bytes_for(clusters: u32, cap: u32) -> u64 {
+        let cluster =
+            size_of::<u64>() as u64 + u64::from(cap.max(1)) * size_of::<[f32; 2]>() as u64;
+        u64::from(clusters) * cluster
+    }
+
+    /// Bytes held besides the value itself, exactly counted.
+    pub fn heap_bytes(&self) -> u64 {
+        Self::heap_bytes_for(self.offered.len() as u32, self.cap)
     }
 }
 

@@ -181,9 +181,14 @@ impl<const D: usize> Centres<D> {
         prefetch(&self.blocks[..]);
     }
 
-    /// Bytes held, exactly counted.
-    pub fn bytes(&self) -> usize {
-        size_of::<Self>() + self.blocks.len() * size_of::<[F8; D]>()
+    /// Bytes held besides the value itself by centres with room for `cap`.
+    pub fn heap_bytes_for(cap: u32) -> u64 {
+        u64::from(cap).div_ceil(LANES as u64) * size_of::<[F8; D]>() as u64
+    }
+
+    /// Bytes held besides the value itself, exactly counted.
+    pub fn heap_bytes(&self) -> u64 {
+        Self::heap_bytes_for(self.cap)
     }
 }
 

@@ -85,12 +85,15 @@ impl<const D: usize> EpsilonClustering<D> {
         self.saturated
     }
 
-    /// Bytes held, exactly counted.
-    pub fn bytes(&self) -> usize {
-        size_of::<Self>() - size_of::<Centres<D>>()
-            + self.centres.bytes()
-            + self.trajectory.len() * size_of::<u32>()
-            + self.archive.len() * size_of::<u64>()
+    /// Bytes held besides the value itself by at most `cap` clusters.
+    pub fn heap_bytes_for(cap: u32) -> u64 {
+        let counts = size_of::<u32>() + size_of::<u64>();
+        Centres::<D>::heap_bytes_for(cap.max(1)) + u64::from(cap.max(1)) * counts as u64
+    }
+
+    /// Bytes held besides the value itself, exactly counted.
+    pub fn heap_bytes(&self) -> u64 {
+        Self::heap_bytes_for(self.trajectory.len() as u32)
     }
 }
 

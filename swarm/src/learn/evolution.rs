@@ -6,15 +6,6 @@ use super::perceptron::WEIGHTS;
 use crate::random::Stream;
 use crate::spec::ControllerParameters;
 
-/// A genome with the fitness that it was told.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Evaluated {
-    /// Weights, in the order of [`super::perceptron::Perceptron::load`].
-    pub genome: Vec<f32>,
-    /// What the objective gave it.
-    pub fitness: f64,
-}
-
 /// A parent and its mutated child: ask for the [`Self::candidate`], evaluate it, [`Self::tell`].
 ///
 /// Decided where the thesis is silent:
@@ -33,14 +24,15 @@ pub struct Evolution {
     sigma_factor: f64,
     success_window: u32,
     restart_after: u32,
-    /// `None` while the candidate is a fresh parent.
-    parent: Option<Evaluated>,
+    /// Fitness of the parent; `None` while the candidate is a fresh parent.
+    parent_fitness: Option<f64>,
+    /// Its genome, where there is one.
+    parent: Vec<f32>,
     candidate: Vec<f32>,
     sigma: f64,
     window_children: u32,
     window_successes: u32,
     without_success: u32,
-    best: Option<Evaluated>,
 }
 
 impl Evolution {
@@ -53,13 +45,13 @@ impl Evolution {
             sigma_factor: parameters.sigma_factor,
             success_window: parameters.success_window,
             restart_after: parameters.restart_after,
-            parent: None,
+            parent_fitness: None,
+            parent: vec![0.0; WEIGHTS],
             candidate: vec![0.0; WEIGHTS],
             sigma: parameters.sigma,
             window_children: 0,
             window_successes: 0,
             without_success: 0,
-            best: None,
         };
         evolution.begin();
         evolution
@@ -70,9 +62,21 @@ impl Evolution {
         &self.candidate
     }
 
-    /// The best genome so far over all restarts, the earliest of equals.
-    pub fn best(&self) -> Option<&Evaluated> {
-        self.best.as_ref()
+    /// The parent's genome and fitness, once it was evaluated.
+    pub fn parent(&self) -> Option<(&[f32], f64)> {
+        self.parent_fitness
+            .map(|fitness| (&self.parent[..], fitness))
+    }
+
+    /// Takes another robot's genome as parent where it is fitter than this one's own, and makes the
+    /// next candidate from it: between two evaluations, after [`Self::tell`]. A restart is let be.
+    pub fn adopt(&mut self, genome: &[f32], fitness: f64) {
+        if self.parent_fitness.is_some_and(|own| fitness > own) {
+            self.parent_fitness = Some(fitness);
+            self.parent.copy_from_slice(genome);
+            self.without_success = 0;
+            self.mutate();
+        }
     }
 
     /// The current mutation step.
@@ -83,22 +87,13 @@ impl Evolution {
     /// Takes the fitness (finite, larger is better) of the candidate and makes the next one.
     pub fn tell(&mut self, fitness: f64) {
         debug_assert!(fitness.is_finite(), "fitness {fitness}");
-        let told = |genome: &[f32]| Evaluated {
-            genome: genome.to_vec(),
-            fitness,
-        };
-        if self.best.as_ref().is_none_or(|best| fitness > best.fitness) {
-            self.best = Some(told(&self.candidate));
+        let success = self.parent_fitness.is_none_or(|parent| fitness > parent);
+        if self.parent_fitness.is_some() {
+            self.adapt(success);
         }
-        match &self.parent {
-            None => self.parent = Some(told(&self.candidate)),
-            Some(parent) => {
-                let success = fitness > parent.fitness;
-                if success {
-                    self.parent = Some(told(&self.candidate));
-                }
-                self.adapt(success);
-            }
+        if success {
+            self.parent_fitness = Some(fitness);
+            self.parent.copy_from_slice(&self.candidate);
         }
         if self.without_success >= self.restart_after {
             self.begin();
@@ -124,7 +119,7 @@ impl Evolution {
     }
 
     fn begin(&mut self) {
-        self.parent = None;
+        self.parent_fitness = None;
         self.sigma = self.initial_sigma;
         self.window_children = 0;
         self.window_successes = 0;
@@ -135,12 +130,13 @@ impl Evolution {
     }
 
     fn mutate(&mut self) {
-        if let Some(parent) = &self.parent {
-            for (weight, of_parent) in self.candidate.iter_mut().zip(&parent.genome) {
-                *weight = (f64::from(*of_parent) + self.sigma * self.stream.normal()) as f32;
-            }
+        for (weight, of_parent) in self.candidate.iter_mut().zip(&self.parent) {
+            *weight = (f64::from(*of_parent) + self.sigma * self.stream.normal()) as f32;
         }
     }
+
+    /// Bytes held besides the value itself.
+    pub const HEAP_BYTES: u64 = 2 * (WEIGHTS * size_of::<f32>()) as u64;
 }
 
 #[cfg(test)]
@@ -198,21 +194,30 @@ mod tests {
         evolution.tell(5.0);
         for _ in 0..29 {
             evolution.tell(5.0);
-            assert_eq!(evolution.parent.as_ref().unwrap().genome, first);
+            assert_eq!(evolution.parent().unwrap(), (&first[..], 5.0));
         }
         evolution.tell(5.0);
-        assert!(evolution.parent.is_none());
+        assert!(evolution.parent().is_none());
         assert_eq!((evolution.sigma(), evolution.window_children), (0.2, 0));
         let fresh = evolution.candidate().to_vec();
         evolution.tell(1.0);
-        assert_eq!(evolution.parent.as_ref().unwrap().genome, fresh);
-        assert_eq!(
-            evolution.best().unwrap(),
-            &Evaluated {
-                genome: first,
-                fitness: 5.0
-            }
-        );
+        assert_eq!(evolution.parent().unwrap(), (&fresh[..], 1.0));
+    }
+
+    #[test]
+    fn adopts_only_what_is_fitter_than_its_parent() {
+        let mut evolution = evolution(|_| {});
+        let stranger = [0.25; WEIGHTS];
+        evolution.adopt(&stranger, 9.0);
+        assert!(evolution.parent().is_none(), "a fresh parent comes first");
+        evolution.tell(5.0);
+        let own = evolution.parent().unwrap().0.to_vec();
+        evolution.adopt(&stranger, 5.0);
+        assert_eq!(evolution.parent().unwrap(), (&own[..], 5.0));
+        evolution.adopt(&stranger, 5.5);
+        assert_eq!(evolution.parent().unwrap(), (&stranger[..], 5.5));
+        let child = evolution.candidate().iter().map(|w| f64::from(*w) - 0.25);
+        assert!((spread(child) - 0.2).abs() < 0.05);
     }
 
     #[test]
@@ -224,7 +229,7 @@ mod tests {
             let fitness = sphere(evolution.candidate());
             evolution.tell(fitness);
         }
-        assert!(evolution.best().unwrap().fitness > start / 100.0);
+        assert!(evolution.parent().unwrap().1 > start / 100.0);
     }
 
     #[test]

@@ -16,6 +16,61 @@ pub struct Clustering<const D: usize> {
     pub distortion: f64,
 }
 
+/// Vectors to be clustered, which may be parts of longer ones.
+pub trait Points<const D: usize>: Copy {
+    /// How many there are.
+    fn count(self) -> usize;
+
+    /// One of them.
+    fn point(self, i: usize) -> [f32; D];
+
+    /// All of them.
+    #[inline(always)]
+    fn each(self) -> impl ExactSizeIterator<Item = [f32; D]> {
+        (0..self.count()).map(move |i| self.point(i))
+    }
+}
+
+impl<const D: usize> Points<D> for &[[f32; D]] {
+    #[inline(always)]
+    fn count(self) -> usize {
+        self.len()
+    }
+
+    #[inline(always)]
+    fn point(self, i: usize) -> [f32; D] {
+        self[i]
+    }
+}
+
+/// `D` coordinates of longer vectors, from `FIRST` on.
+#[derive(Clone, Copy, Debug)]
+pub struct Part<'a, const WHOLE: usize, const FIRST: usize>(pub &'a [[f32; WHOLE]]);
+
+impl<const D: usize, const WHOLE: usize, const FIRST: usize> Points<D> for Part<'_, WHOLE, FIRST> {
+    #[inline(always)]
+    fn count(self) -> usize {
+        self.0.len()
+    }
+
+    #[inline(always)]
+    fn point(self, i: usize) -> [f32; D] {
+        std::array::from_fn(|d| self.0[i][FIRST + d])
+    }
+}
+
+/// Most bytes that [`kmeans`] takes for `points` vectors and `k` clusters, its result included and
+/// the points themselves not.
+pub fn workspace_bytes<const D: usize>(points: u32, k: u32) -> u64 {
+    let (points, clusters) = (u64::from(points), u64::from(k));
+    let a_point = size_of::<Member>() + size_of::<u32>();
+    let vector = size_of::<[f32; D]>();
+    let sums = size_of::<([f64; D], u32)>() + size_of::<f64>();
+    2 * Centres::<D>::heap_bytes_for(k)
+        + points * a_point as u64
+        + clusters * (2 * vector + sums + size_of::<u32>()) as u64
+}
+
 /// Clusters `points` around `k` centres.
 ///
 /// Each of `kmeans_restarts` starts from points drawn uniformly without replacement, all of them
@@ -24,7 +79,7 @@ pub struct Clustering<const D: usize> {
 /// all its points stays where it is (the distortion cannot grow); with fewer distinct points than
 /// `k` there are as many clusters as distinct points; no points give no clusters.
 pub fn kmeans<const D: usize>(
-    points: &[[f32; D]],
+    points: impl Points<D>,
     k: u32,
     parameters: &ControllerParameters,
     stream: &mut Stream,
@@ -49,8 +104,8 @@ pub fn kmeans<const D: usize>(
     // Counted last: ties between centres go by the new indices.
     let centres = Centres::from_points(&ordered);
     let mut counts = vec![0; ordered.len()];
-    for point in points {
-        counts[centres.nearest(point).0 as usize] += 1;
+    for point in points.each() {
+        counts[centres.nearest(&point).0 as usize] += 1;
     }
     Clustering {
         centres,
@@ -60,20 +115,20 @@ pub fn kmeans<const D: usize>(
 }
 
 /// Sum of the points' squared distances to their nearest centres (eq. 4.4).
-fn distortion<const D: usize>(points: &[[f32; D]], centres: &Centres<D>) -> f64 {
+fn distortion<const D: usize>(points: impl Points<D>, centres: &Centres<D>) -> f64 {
     points
-        .iter()
-        .map(|point| f64::from(centres.nearest(point).1))
+        .each()
+        .map(|point| f64::from(centres.nearest(&point).1))
         .sum()
 }
 
 /// At most `k` points of different value, uniformly without replacement (Fisher-Yates).
 fn distinct_points<const D: usize>(
-    points: &[[f32; D]],
+    points: impl Points<D>,
     k: u32,
     stream: &mut Stream,
 ) -> Vec<[f32; D]> {
-    let mut order: Vec<u32> = (0..points.len() as u32).collect();
+    let mut order: Vec<u32> = (0..points.count() as u32).collect();
     let mut chosen: Vec<[f32; D]> = Vec::with_capacity(k as usize);
     for drawn in 0..order.len() {
         if chosen.len() == k as usize {
@@ -81,7 +136,7 @@ fn distinct_points<const D: usize>(
         }
         let other = drawn + stream.below((order.len() - drawn) as u64) as usize;
         order.swap(drawn, other);
-        let point = points[order[drawn] as usize];
+        let point = points.point(order[drawn] as usize);
         if !chosen.contains(&point) {
             chosen.push(point);
         }
@@ -95,21 +150,24 @@ fn distinct_points<const D: usize>(
 /// centres since its last search could have changed its cluster. `SLACK` on every bound outweighs
 /// the rounding of `f32` distances, so the result is that of the plain algorithm to the bit.
 fn lloyd<const D: usize>(
-    points: &[[f32; D]],
+    points: impl Points<D>,
     mut centres: Centres<D>,
     most_iterations: u32,
 ) -> Centres<D> {
-    let mut members: Vec<Member> = points.iter().map(|p| Member::search(p, &centres)).collect();
+    let mut members: Vec<Member> = points
+        .each()
+        .map(|p| Member::search(&p, &centres))
+        .collect();
     for _ in 0..most_iterations {
         let moved = move_to_means(points, &members, &mut centres);
         if moved.largest.1 == 0.0 {
             break;
         }
-        for (point, member) in points.iter().zip(&mut members) {
+        for (point, member) in points.each().zip(&mut members) {
             member.upper += moved.by[member.cluster as usize];
             member.lower -= moved.most_of_others(member.cluster);
             if member.upper >= member.lower {
-                member.tighten(point, &centres);
+                member.tighten(&point, &centres);
             }
         }
     }
@@ -174,16 +232,16 @@ impl Moved {
 
 /// Moves each centre to the mean of its points; one without points stays.
 fn move_to_means<const D: usize>(
-    points: &[[f32; D]],
+    points: impl Points<D>,
     members: &[Member],
     centres: &mut Centres<D>,
 ) -> Moved {
     let mut sums = vec![([0.0_f64; D], 0_u32); centres.len() as usize];
-    for (point, member) in points.iter().zip(members) {
+    for (point, member) in points.each().zip(members) {
         let (sum, count) = &mut sums[member.cluster as usize];
         *count += 1;
         for (sum, x) in sum.iter_mut().zip(point) {
-            *sum += f64::from(*x);
+            *sum += f64::from(x);
         }
     }
     let mut moved = Moved {
@@ -232,7 +290,7 @@ mod tests {
     fn finds_separate_blobs_in_canonical_order() {
         let mut stream = Stream::new(2);
         let points = blobs(&mut stream);
-        let found = kmeans(&points, 3, &parameters(10, 100), &mut stream);
+        let found = kmeans(&points[..], 3, &parameters(10, 100), &mut stream);
         assert_eq!(found.counts, [200, 200, 200]);
         for (centre, want) in found
             .centres
@@ -303,7 +361,7 @@ mod tests {
     fn counts_and_distortion_are_of_the_centres_returned() {
         let mut stream = Stream::new(6);
         let points = blobs(&mut stream);
-        let found = kmeans(&points, 12, &parameters(3, 7), &mut stream);
+        let found = kmeans(&points[..], 12, &parameters(3, 7), &mut stream);
         let (mut counts, mut sum) = (vec![0; 12], 0.0);
         for point in &points {
             let (nearest, squared) = found.centres.nearest(point);
@@ -320,7 +378,7 @@ mod tests {
         let points = blobs(&mut Stream::new(5));
         let distortion = |restarts, iterations| {
             kmeans(
-                &points,
+                &points[..],
                 9,
                 &parameters(restarts, iterations),
                 &mut Stream::new(1),
@@ -336,13 +394,13 @@ mod tests {
     fn shrinks_to_the_distinct_points() {
         let mut points = vec![[0.5, 0.5]; 90];
         points.extend([[0.0, 1.0]; 10]);
-        let found = kmeans(&points, 7, &parameters(5, 100), &mut Stream::new(1));
+        let found = kmeans(&points[..], 7, &parameters(5, 100), &mut Stream::new(1));
         assert_eq!(
             found.centres,
             Centres::from_points(&[[0.0, 1.0], [0.5, 0.5]])
         );
         assert_eq!((found.counts, found.distortion), (vec![10, 90], 0.0));
-        let none = kmeans::<2>(&[], 7, &parameters(5, 100), &mut Stream::new(1));
+        let none = kmeans::<2>(&[][..], 7, &parameters(5, 100), &mut Stream::new(1));
         assert!(none.centres.is_empty() && none.counts.is_empty());
     }
 
@@ -352,7 +410,7 @@ mod tests {
         let mut stream = Stream::new(3);
         let mut first = [0; 3];
         for _ in 0..40_000 {
-            let chosen = distinct_points(&points, 2, &mut stream);
+            let chosen = distinct_points(&points[..], 2, &mut stream);
             assert!(chosen.len() == 2 && chosen[0] != chosen[1]);
             first[chosen[0][0] as usize] += 1;
         }

@@ -4,6 +4,7 @@
 
 pub mod accuracy;
 pub mod actuator_samples;
+pub mod archive;
 pub mod centres;
 pub mod epsilon_clustering;
 pub mod evolution;

@@ -42,11 +42,78 @@ pub struct Repository {
     pairs: Vec<Pair>,
     /// Of each (i, j): `lambda` next states, a ring, then n_ijk for every k. Side by side, as both
     /// are written together and a table of many robots is seldom in a cache.
-    entries: Vec<u16>,
+    entries: Entries,
     /// Of each (i, j).
     scores: Vec<f32>,
     /// Of each i: the actions with a list that is not full, in order, in its first places.
     deficient: Vec<u16>,
+}
+
+/// Whole numbers below the larger of `ns` and `lambda + 1`, as narrow as they can be.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+enum Entries {
+    /// Where both fit in a byte, as they nearly always do.
+    Bytes(Vec<u8>),
+    Words(Vec<u16>),
+}
+
+/// An entry of a list, or a count.
+trait Entry: Copy {
+    fn get(self) -> u16;
+    /// `value` is known to fit.
+    fn of(value: u16) -> Self;
+}
+
+impl Entry for u8 {
+    #[inline(always)]
+    fn get(self) -> u16 {
+        u16::from(self)
+    }
+    #[inline(always)]
+    fn of(value: u16) -> Self {
+        value as u8
+    }
+}
+
+impl Entry for u16 {
+    #[inline(always)]
+    fn get(self) -> u16 {
+        self
+    }
+    #[inline(always)]
+    fn of(value: u16) -> Self {
+        value
+    }
+}
+
+impl Entries {
+    /// Bytes that an entry of a table of this size takes.
+    fn width(ns: u32, lambda: u32) -> usize {
+        if ns <= 256 && lambda <= 255 { 1 } else { 2 }
+    }
+
+    fn new(ns: u32, lambda: u32, len: usize) -> Self {
+        match Self::width(ns, lambda) {
+            1 => Self::Bytes(vec![0; len]),
+            _ => Self::Words(vec![0; len]),
+        }
+    }
+
+    #[inline(always)]
+    fn get(&self, at: usize) -> u32 {
+        match self {
+            Self::Bytes(entries) => u32::from(entries[at]),
+            Self::Words(entries) => u32::from(entries[at]),
+        }
+    }
+
+    #[inline(always)]
+    fn expect(&self, from: usize, len: usize) {
+        match self {
+            Self::Bytes(entries) => prefetch(&entries[from..][..len]),
+            Self::Words(entries) => prefetch(&entries[from..][..len]),
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -84,6 +151,8 @@ impl Repository {
             "lists of length {lambda}"
         );
         let pairs = ns as usize * na as usize;
+        let mut every_action = Vec::with_capacity(pairs);
+        (0..ns).for_each(|_| every_action.extend(0..na as u16));
         Self {
             ns,
             na,
@@ -100,23 +169,23 @@ impl Repository {
                 ns as usize
             ],
             pairs: vec![Pair::default(); pairs],
-            entries: vec![0; pairs * (lambda + ns as usize)],
+            entries: Entries::new(ns, parameters.lambda, pairs * (lambda + ns as usize)),
             scores: vec![f32::NEG_INFINITY; pairs],
-            deficient: (0..ns).flat_map(|_| 0..na as u16).collect(),
+            deficient: every_action,
         }
     }
 
-    /// Bytes that a table of this size takes.
-    pub fn bytes_for(ns: u32, na: u32, lambda: u32) -> u64 {
+    /// Bytes that a table of this size takes besides the value itself.
+    pub fn heap_bytes_for(ns: u32, na: u32, lambda: u32) -> u64 {
         let (ns, na) = (u64::from(ns), u64::from(na));
         let pair = size_of::<Pair>() + size_of::<f32>() + size_of::<u16>();
-        let lists = (u64::from(lambda) + ns) * size_of::<u16>() as u64;
-        size_of::<Self>() as u64 + ns * size_of::<State>() as u64 + ns * na * (pair as u64 + lists)
+        let lists = (u64::from(lambda) + ns) * Entries::width(ns as u32, lambda) as u64;
+        ns * size_of::<State>() as u64 + ns * na * (pair as u64 + lists)
     }
 
-    /// Bytes held, exactly counted.
-    pub fn bytes(&self) -> u64 {
-        Self::bytes_for(self.ns, self.na, u32::from(self.lambda))
+    /// Bytes held besides the value itself, exactly counted.
+    pub fn heap_bytes(&self) -> u64 {
+        Self::heap_bytes_for(self.ns, self.na, u32::from(self.lambda))
     }
 
     /// Number of states.
@@ -145,7 +214,7 @@ impl Repository {
         let at = self.at(i, j);
         let (lambda, ns, na) = (usize::from(self.lambda), self.ns as usize, self.na as usize);
         prefetch(&self.pairs[at]);
-        prefetch(&self.entries[at * (lambda + ns)..][..lambda + ns]);
+        self.entries.expect(at * (lambda + ns), lambda + ns);
         prefetch(&self.scores[i as usize * na..][..na]);
     }
 
@@ -155,35 +224,22 @@ impl Repository {
         let at = self.at(i, j);
         let (lambda, ns) = (usize::from(self.lambda), self.ns as usize);
         let pair = &mut self.pairs[at];
-        let entries = &mut self.entries[at * (lambda + ns)..][..lambda + ns];
-        let (list, counts) = entries.split_at_mut(lambda);
-        let place = &mut list[usize::from(pair.next)];
-        let oldest = *place;
-        *place = k as u16;
-        pair.next = if pair.next + 1 == self.lambda {
-            0
-        } else {
-            pair.next + 1
+        let (from, len) = (at * (lambda + ns), lambda + ns);
+        let (i_, k_) = (i as u16, k as u16);
+        let pushed = match &mut self.entries {
+            Entries::Bytes(entries) => push(pair, &mut entries[from..][..len], lambda, i_, k_),
+            Entries::Words(entries) => push(pair, &mut entries[from..][..len], lambda, i_, k_),
         };
-        let filled = if pair.recorded == self.lambda {
-            if u32::from(oldest) == k {
-                return;
-            }
-            let count = &mut counts[usize::from(oldest)];
-            *count -= 1;
-            pair.m_log_m -= log_step(*count);
-            false
-        } else {
-            pair.recorded += 1;
+        let Some(Pushed { grown, stayed }) = pushed else {
+            return;
+        };
+        let score = score(self.alpha, *pair, stayed);
+        let full = pair.recorded == self.lambda;
+        if grown {
             self.states[i as usize].recorded += 1;
-            pair.recorded == self.lambda
-        };
-        let count = &mut counts[k as usize];
-        pair.m_log_m += log_step(*count);
-        *count += 1;
-        let score = score(self.alpha, *pair, counts[i as usize]);
-        if filled {
-            self.no_longer_deficient(i, j);
+            if full {
+                self.no_longer_deficient(i, j);
+            }
         }
         self.set_score(i, j, score);
     }
@@ -232,27 +288,34 @@ impl Repository {
     }
 
     /// n_ijk for every k.
-    #[inline(always)]
-    pub fn transition_counts(&self, i: u32, j: u32) -> &[u16] {
+    pub fn transition_counts(&self, i: u32, j: u32) -> impl Iterator<Item = u32> {
         let (lambda, ns) = (usize::from(self.lambda), self.ns as usize);
-        &self.entries[self.at(i, j) * (lambda + ns) + lambda..][..ns]
+        let first = self.at(i, j) * (lambda + ns) + lambda;
+        (first..first + ns).map(|at| self.entries.get(at))
     }
 
     /// The list S(i, j), oldest entry first.
     pub fn list(&self, i: u32, j: u32) -> impl Iterator<Item = u32> {
         let at = self.at(i, j);
         let (pair, lambda) = (self.pairs[at], usize::from(self.lambda));
-        let ring = &self.entries[at * (lambda + self.ns as usize)..][..lambda];
+        let ring = at * (lambda + self.ns as usize);
+        let recorded = usize::from(pair.recorded);
         // A list that is not full begins at its place 0, where `next` has not yet come by again.
-        let first = if pair.recorded == self.lambda {
+        let first = if recorded == lambda {
             usize::from(pair.next)
         } else {
             0
         };
-        let entries = ring[first..].iter().chain(&ring[..first]);
-        entries
-            .take(usize::from(pair.recorded))
-            .map(|k| u32::from(*k))
+        (0..recorded).map(move |n| self.entries.get(ring + (first + n) % lambda))
+    }
+
+    /// The entry of S(i, j) at a place below [`Self::count`], in no order that means anything.
+    #[inline(always)]
+    pub fn entry(&self, i: u32, j: u32, place: u32) -> u32 {
+        let (lambda, ns) = (usize::from(self.lambda), self.ns as usize);
+        assert!((place as usize) < lambda, "no place {place}");
+        self.entries
+            .get(self.at(i, j) * (lambda + ns) + place as usize)
     }
 
     /// Score of action `j` in state `i` (eq. 4.9); minus infinity when it was never tried.
@@ -302,6 +365,55 @@ impl Repository {
             *deficient -= 1;
         }
     }
+}
+
+/// What writing to a list did.
+struct Pushed {
+    /// The list got longer.
+    grown: bool,
+    /// n_iji afterwards.
+    stayed: u16,
+}
+
+/// Writes `k` into the list of a pair in state `i`, in place of the oldest entry when it is full,
+/// and keeps counts and sum. `None` when that changed nothing but the order of the list.
+#[inline(always)]
+fn push<E: Entry>(
+    pair: &mut Pair,
+    entries: &mut [E],
+    lambda: usize,
+    i: u16,
+    k: u16,
+) -> Option<Pushed> {
+    let (list, counts) = entries.split_at_mut(lambda);
+    let place = &mut list[usize::from(pair.next)];
+    let oldest = place.get();
+    *place = E::of(k);
+    pair.next = if usize::from(pair.next) + 1 == lambda {
+        0
+    } else {
+        pair.next + 1
+    };
+    let grown = usize::from(pair.recorded) < lambda;
+    if grown {
+        pair.recorded += 1;
+    } else {
+        if oldest == k {
+            return None;
+        }
+        let count = &mut counts[usize::from(oldest)];
+        let left = count.get() - 1;
+        *count = E::of(left);
+        pair.m_log_m -= log_step(left);
+    }
+    let count = &mut counts[usize::from(k)];
+    let before = count.get();
+    *count = E::of(before + 1);
+    pair.m_log_m += log_step(before);
+    Some(Pushed {
+        grown,
+        stayed: counts[usize::from(i)].get(),
+    })
 }
 
 /// What one more entry adds to the sum of m log m where there were `count`.

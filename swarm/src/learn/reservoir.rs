@@ -68,9 +68,14 @@ impl<const D: usize> Reservoir<D> {
         &self.sample
     }
 
-    /// Bytes held, exactly counted.
-    pub fn bytes(&self) -> usize {
-        size_of::<Self>() + self.cap as usize * size_of::<[f32; D]>()
+    /// Bytes held besides the value itself by a sample of `cap` vectors.
+    pub fn heap_bytes_for(cap: u32) -> u64 {
+        u64::from(cap.max(1)) * size_of::<[f32; D]>() as u64
+    }
+
+    /// Bytes held besides the value itself, exactly counted.
+    pub fn heap_bytes(&self) -> u64 {
+        Self::heap_bytes_for(self.cap)
     }
 }
 

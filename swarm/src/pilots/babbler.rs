@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Brownian, Scaling, Watch};
 use crate::lanes::F8;
+use crate::memory::MemoryPlan;
 use crate::pilot::Pilot;
 
 /// Draws commands afresh and watches what they bring.
@@ -24,9 +25,19 @@ impl Babbler {
         }
     }
 
+    /// Most bytes held.
+    pub fn bytes_for(plan: &MemoryPlan) -> u64 {
+        size_of::<Self>() as u64 + Watch::heap_bytes_for(plan)
+    }
+
     /// Bytes held, exactly counted.
-    pub fn bytes(&self) -> usize {
-        size_of::<Self>() + self.watch.bytes()
+    pub fn bytes(&self) -> u64 {
+        size_of::<Self>() as u64 + self.watch.heap_bytes()
+    }
+
+    /// Vectors that found no room for a cluster of their own.
+    pub fn clusters_saturated(&self) -> u64 {
+        self.watch.saturated()
     }
 
     /// What it saw.

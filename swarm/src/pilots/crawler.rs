@@ -4,11 +4,13 @@ use serde::{Deserialize, Serialize};
 
 use super::{Scaling, sensori_motor};
 use crate::lanes::F8;
+use crate::learn::archive::Archive;
 use crate::learn::epsilon_clustering::EpsilonClustering;
 use crate::learn::evolution::Evolution;
 use crate::learn::objective::{curiosity, discovery};
-use crate::learn::perceptron::Perceptron;
+use crate::learn::perceptron::{Perceptron, WEIGHTS};
 use crate::learn::reservoir::Reservoir;
+use crate::memory::MemoryPlan;
 use crate::pilot::Pilot;
 use crate::random::Stream;
 use crate::spec::{ControllerParameters, Objective};
@@ -26,11 +28,11 @@ pub struct Watch {
 
 impl Watch {
     /// Nothing seen yet.
-    pub fn new(p: &ControllerParameters, sampling: Stream) -> Self {
+    pub fn new(p: &ControllerParameters, plan: &MemoryPlan, sampling: Stream) -> Self {
         Self {
-            sensors: EpsilonClustering::new(p.epsilon_sensor, p.max_clusters),
-            actuators: EpsilonClustering::new(p.epsilon_actuator, p.max_clusters),
-            sample: Reservoir::new(p.sample, sampling),
+            sensors: EpsilonClustering::new(p.epsilon_sensor, plan.sensor_clusters),
+            actuators: EpsilonClustering::new(p.epsilon_actuator, plan.actuator_clusters),
+            sample: Reservoir::new(plan.sample, sampling),
         }
     }
 
@@ -42,9 +44,21 @@ impl Watch {
         self.sample.offer(&sensori_motor(sensors, command));
     }
 
-    /// Bytes held by its parts.
-    pub fn bytes(&self) -> usize {
-        self.sensors.bytes() + self.actuators.bytes() + self.sample.bytes()
+    /// Vectors that found no room for a cluster of their own.
+    pub fn saturated(&self) -> u64 {
+        self.sensors.saturated() + self.actuators.saturated()
+    }
+
+    /// Bytes held besides the value itself.
+    pub fn heap_bytes_for(plan: &MemoryPlan) -> u64 {
+        EpsilonClustering::<8>::heap_bytes_for(plan.sensor_clusters)
+            + EpsilonClustering::<2>::heap_bytes_for(plan.actuator_clusters)
+            + Reservoir::<10>::heap_bytes_for(plan.sample)
+    }
+
+    /// Bytes held besides the value itself, exactly counted.
+    pub fn heap_bytes(&self) -> u64 {
+        self.sensors.heap_bytes() + self.actuators.heap_bytes() + self.sample.heap_bytes()
     }
 }
 
@@ -62,34 +76,66 @@ pub struct Crawler {
     actuators: EpsilonClustering<2>,
     /// Present where a phase 2 follows.
     watch: Option<Watch>,
-    /// Every genome evaluated, in order, where a phase 2 follows.
-    archive: Vec<f32>,
+    /// Genomes evaluated, where a phase 2 follows.
+    archive: Option<Archive>,
+    /// The fittest genome that other robots told in this trajectory; empty where none can.
+    heard: Vec<f32>,
+    /// Its fitness, minus infinity while there is none.
+    heard_fitness: f64,
     /// Whether this epoch is only a demonstration, from which nothing is learnt.
     showing: bool,
 }
 
 impl Crawler {
-    /// A robot that has not moved yet.
+    /// A robot that has not moved yet. With a `watch` a phase 2 follows; `hears` other robots'
+    /// genomes where they share them.
     pub fn new(
         objective: Objective,
         p: &ControllerParameters,
+        plan: &MemoryPlan,
         evolution: Stream,
         watch: Option<Watch>,
+        hears: bool,
     ) -> Self {
+        let (sensori_motor, actuators) = Self::caps(objective, plan, watch.is_some());
         let mut crawler = Self {
             objective,
             slope: p.slope,
             scaling: Scaling::new(p.sensor_scale),
             perceptron: Perceptron::new(),
             evolution: Evolution::new(p, evolution),
-            sensori_motor: EpsilonClustering::new(p.epsilon_sensori_motor, p.max_clusters),
-            actuators: EpsilonClustering::new(p.epsilon_actuator, p.max_clusters),
+            sensori_motor: EpsilonClustering::new(p.epsilon_sensori_motor, sensori_motor),
+            actuators: EpsilonClustering::new(p.epsilon_actuator, actuators),
+            archive: watch.is_some().then(|| Archive::new(plan.genomes)),
             watch,
-            archive: Vec::new(),
+            heard: if hears {
+                vec![0.0; WEIGHTS]
+            } else {
+                Vec::new()
+            },
+            heard_fitness: f64::NEG_INFINITY,
             showing: false,
         };
         crawler.load_candidate();
         crawler
+    }
+
+    /// Caps of the sensori-motor and actuator clusters, one where they are never used.
+    fn caps(objective: Objective, plan: &MemoryPlan, watching: bool) -> (u32, u32) {
+        let over_sensori_motor = objective.over_sensori_motor();
+        let own_actuators = !over_sensori_motor && !watching;
+        (
+            if over_sensori_motor {
+                plan.sensori_motor_clusters
+            } else {
+                1
+            },
+            if own_actuators {
+                plan.actuator_clusters
+            } else {
+                1
+            },
+        )
     }
 
     fn load_candidate(&mut self) {
@@ -107,11 +153,30 @@ impl Crawler {
         if let Some(watch) = &mut self.watch {
             watch.sensors.end_trajectory();
             watch.actuators.end_trajectory();
-            self.archive.extend_from_slice(self.evolution.candidate());
+        }
+        if let Some(archive) = &mut self.archive {
+            archive.offer(self.evolution.candidate(), fitness);
         }
         self.sensori_motor.end_trajectory();
         self.actuators.end_trajectory();
         self.evolution.tell(fitness);
+        if self.heard_fitness > f64::NEG_INFINITY {
+            self.evolution.adopt(&self.heard, self.heard_fitness);
+            self.heard_fitness = f64::NEG_INFINITY;
+        }
+    }
+
+    /// What it tells other robots: its parent's genome and fitness, once it was evaluated.
+    pub fn tells(&self) -> Option<(&[f32], f64)> {
+        self.evolution.parent()
+    }
+
+    /// Takes in another robot's genome; the fittest of a trajectory is kept.
+    pub fn hear(&mut self, genome: &[f32], fitness: f64) {
+        if fitness > self.heard_fitness && !self.showing {
+            self.heard.copy_from_slice(genome);
+            self.heard_fitness = fitness;
+        }
     }
 
     /// Loads the next candidate: after [`Crawler::end_trajectory`] and a showing, if any.
@@ -145,18 +210,43 @@ impl Crawler {
             .map_or(self.actuators.len(), |watch| watch.actuators.len())
     }
 
-    /// What phase 2 needs: the watch and the archive of genomes.
-    pub fn finish(self) -> (Option<Watch>, Vec<f32>) {
-        (self.watch, self.archive)
+    /// Vectors that found no room for a cluster of their own.
+    pub fn clusters_saturated(&self) -> u64 {
+        self.sensori_motor.saturated()
+            + self.actuators.saturated()
+            + self.watch.as_ref().map_or(0, Watch::saturated)
+    }
+
+    /// What phase 2 needs, where one follows: the watch and the archive of genomes.
+    pub fn finish(self) -> Option<(Watch, Archive)> {
+        self.watch.zip(self.archive)
+    }
+
+    /// Most bytes held.
+    pub fn bytes_for(objective: Objective, plan: &MemoryPlan, watching: bool, hears: bool) -> u64 {
+        let (sensori_motor, actuators) = Self::caps(objective, plan, watching);
+        let watched = Watch::heap_bytes_for(plan) + Archive::heap_bytes_for(plan.genomes);
+        size_of::<Self>() as u64
+            + Evolution::HEAP_BYTES
+            + EpsilonClustering::<10>::heap_bytes_for(sensori_motor)
+            + EpsilonClustering::<2>::heap_bytes_for(actuators)
+            + if watching { watched } else { 0 }
+            + if hears {
+                (WEIGHTS * size_of::<f32>()) as u64
+            } else {
+                0
+            }
     }
 
     /// Bytes held, exactly counted.
-    pub fn bytes(&self) -> usize {
-        size_of::<Self>()
-            + self.sensori_motor.bytes()
-            + self.actuators.bytes()
-            + self.watch.as_ref().map_or(0, Watch::bytes)
-            + size_of_val(&self.archive[..])
+    pub fn bytes(&self) -> u64 {
+        size_of::<Self>() as u64
+            + Evolution::HEAP_BYTES
+            + self.sensori_motor.heap_bytes()
+            + self.actuators.heap_bytes()
+            + self.watch.as_ref().map_or(0, Watch::heap_bytes)
+            + self.archive.as_ref().map_or(0, Archive::heap_bytes)
+            + size_of_val(&self.heard[..]) as u64
     }
 }
 

@@ -2,29 +2,36 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Scaling, Watch};
+use super::{Codebook, Scaling};
 use crate::lanes::F8;
-use crate::learn::actuator_samples::ActuatorSamples;
-use crate::learn::centres::Centres;
-use crate::learn::kmeans::kmeans;
 use crate::learn::repository::Repository;
+use crate::memory::MemoryPlan;
 use crate::pilot::Pilot;
-use crate::random::{Stream, below, draw};
+use crate::random::{below, draw};
 use crate::spec::{ControllerParameters, Ties};
 
-/// A robot that explores by its transition table.
+/// What followed an action in a state.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Transition {
+    /// State i.
+    pub state: u32,
+    /// Action j.
+    pub action: u32,
+    /// State k that followed.
+    pub next: u32,
+}
+
+/// Where a robot stands in its table: all of a phase-3 learner but codebook and table.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Explorer {
+pub struct Decider {
     key: u64,
     /// eta on a scale of 2^16.
     eta: u32,
     hold_steps: u32,
     ties: Ties,
     scaling: Scaling,
-    states: Centres<8>,
-    actions: Centres<2>,
-    samples: ActuatorSamples,
-    repository: Repository,
+    /// The last transition; its `next` is the present state until an action is chosen.
+    last: Transition,
     state: u32,
     action: u32,
     command: [f32; 2],
@@ -32,34 +39,16 @@ pub struct Explorer {
     held_steps: u32,
 }
 
-impl Explorer {
-    /// Phase 2 but for the replay: k-means over the sample with as many clusters as phase 1 found
-    /// (section 4.3.2), and the commands that each action stands for.
-    pub fn new(p: &ControllerParameters, key: u64, watch: &Watch, clustering: &mut Stream) -> Self {
-        let vectors = watch.sample.sample();
-        let sensors: Vec<[f32; 8]> = vectors
-            .iter()
-            .map(|v| std::array::from_fn(|k| v[k]))
-            .collect();
-        let commands: Vec<[f32; 2]> = vectors.iter().map(|v| [v[8], v[9]]).collect();
-        let states = kmeans(&sensors, watch.sensors.len(), p, clustering).centres;
-        let actions = kmeans(&commands, watch.actuators.len(), p, clustering).centres;
-        let filling = Stream::new(clustering.bits());
-        let mut samples = ActuatorSamples::new(&actions, p.actuator_sample, filling);
-        for command in &commands {
-            samples.offer(actions.nearest(command).0, *command);
-        }
-        let repository = Repository::new(states.len(), actions.len(), p);
+impl Decider {
+    /// A robot that has seen nothing; `key` is that of its choices.
+    pub fn new(p: &ControllerParameters, key: u64) -> Self {
         Self {
             key,
             eta: (p.eta * 65_536.0).round() as u32,
             hold_steps: p.action_hold_steps,
             ties: p.ties,
             scaling: Scaling::new(p.sensor_scale),
-            states,
-            actions,
-            samples,
-            repository,
+            last: Transition::default(),
             state: 0,
             action: 0,
             command: [0.0; 2],
@@ -68,29 +57,38 @@ impl Explorer {
     }
 
     /// Starts a trajectory from the sensors read at its beginning.
-    pub fn begin_trajectory(&mut self, raw: &F8) {
+    pub fn begin_trajectory(&mut self, codebook: &Codebook, raw: &F8) {
         self.held_steps = 0;
-        self.state = self.states.nearest(&self.scaling.apply(raw)).0;
+        self.state = codebook.states.nearest(&self.scaling.apply(raw)).0;
     }
 
-    /// Notes a command that something else gave (phase 2).
+    /// The next command, by Alg. 5.
     #[inline(always)]
-    pub(super) fn watch_action(&mut self, command: [f32; 2]) {
-        self.action = self.actions.nearest(&command).0;
-    }
-
-    /// Records where the last action led.
-    #[inline(always)]
-    pub(super) fn arrive(&mut self, raw: &F8) {
-        let next = self.states.nearest(&self.scaling.apply(raw)).0;
-        self.repository.record(self.state, self.action, next);
-        self.state = next;
+    pub fn act(&mut self, codebook: &Codebook, repository: &Repository, step: u64) -> [f32; 2] {
+        if self.held_steps > 0 {
+            self.held_steps -= 1;
+            return self.command;
+        }
+        let bits = draw(self.key, step);
+        let (eta_bits, action_bits) = (bits as u32 & 0xFFFF, (bits >> 8) as u32 & !0xFF);
+        let sample_bits = (bits >> 32) as u32 & !0xFF;
+        let action = if repository.is_insufficient(self.state) {
+            repository.deficient_action(self.state, action_bits)
+        } else if eta_bits < self.eta {
+            below(action_bits, repository.actions())
+        } else {
+            self.best_action(repository, action_bits)
+        };
+        self.action = action;
+        self.held_steps = self.hold_steps - 1;
+        self.command = codebook.samples.draw(action, sample_bits);
+        self.command
     }
 
     /// The action with the highest score (eq. 4.9), one of several by the rule for ties.
     #[inline(always)]
-    fn best_action(&self, bits: u32) -> u32 {
-        let (table, state) = (&self.repository, self.state);
+    fn best_action(&self, table: &Repository, bits: u32) -> u32 {
+        let state = self.state;
         let first = table.best_action(state);
         if self.ties == Ties::First {
             return first;
@@ -104,57 +102,134 @@ impl Explorer {
         tied().nth(place as usize).unwrap_or(first)
     }
 
+    /// Where the last action led.
+    #[inline(always)]
+    pub fn arrive(&mut self, codebook: &Codebook, raw: &F8) -> Transition {
+        let next = codebook.states.nearest(&self.scaling.apply(raw)).0;
+        self.last = Transition {
+            state: self.state,
+            action: self.action,
+            next,
+        };
+        self.state = next;
+        self.last
+    }
+
+    /// The present state.
+    #[inline(always)]
+    pub fn state(&self) -> u32 {
+        self.state
+    }
+
+    /// The action last chosen.
+    #[inline(always)]
+    pub fn action(&self) -> u32 {
+        self.action
+    }
+
+    /// What followed the last action.
+    pub fn last(&self) -> Transition {
+        self.last
+    }
+}
+
+/// A robot that explores by a transition table of its own.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Explorer {
+    decider: Decider,
+    codebook: Codebook,
+    repository: Repository,
+    clusters_saturated: u64,
+}
+
+impl Explorer {
+    /// A robot with an empty table; `clusters_saturated` is what phase 1 counted.
+    pub fn new(
+        p: &ControllerParameters,
+        key: u64,
+        codebook: Codebook,
+        clusters_saturated: u64,
+    ) -> Self {
+        Self {
+            decider: Decider::new(p, key),
+            repository: Repository::new(codebook.states.len(), codebook.actions.len(), p),
+            codebook,
+            clusters_saturated,
+        }
+    }
+
+    /// Starts a trajectory from the sensors read at its beginning.
+    pub fn begin_trajectory(&mut self, raw: &F8) {
+        self.decider.begin_trajectory(&self.codebook, raw);
+    }
+
+    /// Notes a command that something else gave (phase 2).
+    #[inline(always)]
+    pub(super) fn watch_action(&mut self, command: [f32; 2]) {
+        self.decider.action = self.codebook.actions.nearest(&command).0;
+    }
+
+    /// Records where the last action led.
+    #[inline(always)]
+    pub(super) fn arrive(&mut self, raw: &F8) {
+        let transition = self.decider.arrive(&self.codebook, raw);
+        self.record(transition);
+    }
+
+    /// Takes a transition into the table, its own or one that another robot told.
+    #[inline(always)]
+    pub fn record(&mut self, t: Transition) {
+        self.repository.record(t.state, t.action, t.next);
+    }
+
+    /// Where it stands.
+    pub fn decider(&self) -> &Decider {
+        &self.decider
+    }
+
+    /// Its states, actions and commands.
+    pub fn codebook(&self) -> &Codebook {
+        &self.codebook
+    }
+
     /// The transition table.
     pub fn repository(&self) -> &Repository {
         &self.repository
     }
 
-    /// The state that raw sensor values belong to.
-    pub(super) fn state_of(&self, raw: &F8) -> u32 {
-        self.states.nearest(&self.scaling.apply(raw)).0
+    /// Vectors of phase 1 that found no room for a cluster of their own.
+    pub fn clusters_saturated(&self) -> u64 {
+        self.clusters_saturated
     }
 
-    /// A command of an action, chosen by 32 uniform bits.
-    pub(super) fn command_of(&self, action: u32, bits: u32) -> [f32; 2] {
-        self.samples.draw(action, bits)
+    /// Its parts.
+    pub fn into_parts(self) -> (Decider, Codebook, Repository, u64) {
+        (
+            self.decider,
+            self.codebook,
+            self.repository,
+            self.clusters_saturated,
+        )
     }
 
-    /// States and actions.
-    pub fn clusters(&self) -> (u32, u32) {
-        (self.states.len(), self.actions.len())
+    /// Most bytes held.
+    pub fn bytes_for(plan: &MemoryPlan) -> u64 {
+        let (states, actions) = (plan.sensor_clusters, plan.actuator_clusters);
+        size_of::<Self>() as u64
+            + Codebook::heap_bytes_for(plan)
+            + Repository::heap_bytes_for(states, actions, plan.lambda)
     }
 
     /// Bytes held, exactly counted.
-    pub fn bytes(&self) -> usize {
-        size_of::<Self>()
-            + self.states.bytes()
-            + self.actions.bytes()
-            + self.samples.bytes()
-            + self.repository.bytes() as usize
+    pub fn bytes(&self) -> u64 {
+        size_of::<Self>() as u64 + self.codebook.heap_bytes() + self.repository.heap_bytes()
     }
 }
 
 impl Pilot for Explorer {
     #[inline(always)]
     fn act(&mut self, step: u64, _raw: &F8) -> [f32; 2] {
-        if self.held_steps > 0 {
-            self.held_steps -= 1;
-            return self.command;
-        }
-        let bits = draw(self.key, step);
-        let (eta_bits, action_bits) = (bits as u32 & 0xFFFF, (bits >> 8) as u32 & !0xFF);
-        let sample_bits = (bits >> 32) as u32 & !0xFF;
-        let action = if self.repository.is_insufficient(self.state) {
-            self.repository.deficient_action(self.state, action_bits)
-        } else if eta_bits < self.eta {
-            below(action_bits, self.repository.actions())
-        } else {
-            self.best_action(action_bits)
-        };
-        self.action = action;
-        self.held_steps = self.hold_steps - 1;
-        self.command = self.samples.draw(action, sample_bits);
-        self.command
+        self.decider.act(&self.codebook, &self.repository, step)
     }
 
     #[inline(always)]
@@ -164,23 +239,26 @@ impl Pilot for Explorer {
 
     #[inline(always)]
     fn expect_acting(&self) {
-        self.repository.expect_choice(self.state);
+        self.repository.expect_choice(self.decider.state);
     }
 
     #[inline(always)]
     fn expect_learning(&self) {
-        self.states.expect_search();
-        self.repository.expect_record(self.state, self.action);
+        self.codebook.states.expect_search();
+        self.repository
+            .expect_record(self.decider.state, self.decider.action);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::{Purpose, Site, stream_key};
+    use crate::random::{Purpose, Site, Stream, stream_key};
 
-    /// An explorer with one state and some actions, each tried alike: all scores are the same.
-    fn explorer(ties: Ties) -> Explorer {
+    const ACTIONS: u32 = 9;
+
+    /// Actions of some steps in one state in which nothing changes, so that all scores are the same.
+    fn actions(ties: Ties) -> Vec<u32> {
         let parameters = ControllerParameters {
             ties,
             lambda: 2,
@@ -188,26 +266,27 @@ mod tests {
             ..Default::default()
         };
         let key = stream_key(1, Site::Target, 0, Purpose::Action);
-        let mut watch = Watch::new(&parameters, Stream::new(1));
-        for n in 0..400_u32 {
-            let command = [(n % 3) as f32 - 1.0, (n / 3 % 3) as f32 - 1.0];
-            watch.observe(&[-1.0; 8], command);
-        }
-        let mut explorer = Explorer::new(&parameters, key, &watch, &mut Stream::new(2));
-        for action in 0..explorer.clusters().1 {
+        let vectors: Vec<[f32; 10]> = (0..400_u32)
+            .map(|n| {
+                let mut vector = [-1.0; 10];
+                (vector[8], vector[9]) = ((n % 3) as f32 - 1.0, (n / 3 % 3) as f32 - 1.0);
+                vector
+            })
+            .collect();
+        let codebook = Codebook::new(&parameters, &vectors, (1, ACTIONS), &mut Stream::new(2));
+        let mut explorer = Explorer::new(&parameters, key, codebook, 0);
+        for action in 0..ACTIONS {
             for _ in 0..parameters.lambda {
-                explorer.repository.record(0, action, 0);
+                explorer.record(Transition {
+                    state: 0,
+                    action,
+                    next: 0,
+                });
             }
         }
-        explorer
-    }
-
-    /// Actions of some steps in which nothing changes.
-    fn actions(ties: Ties) -> Vec<u32> {
-        let mut explorer = explorer(ties);
         let act = |step| {
             explorer.act(step, &F8::splat(0.0));
-            explorer.action
+            explorer.decider().action()
         };
         (0..200).map(act).collect()
     }
@@ -218,7 +297,7 @@ mod tests {
         let kept = actions(Ties::Keep);
         assert!(kept.iter().all(|action| *action == kept[0]));
         let random = actions(Ties::Random);
-        for action in 0..explorer(Ties::Random).clusters().1 {
+        for action in 0..ACTIONS {
             assert!(random.contains(&action), "{action} never taken");
         }
     }

@@ -2,17 +2,21 @@
 
 mod babbler;
 mod brownian;
+mod codebook;
 mod crawler;
 mod explorer;
 mod reference;
 mod replayer;
+mod team;
 
 pub use babbler::Babbler;
 pub use brownian::Brownian;
+pub use codebook::Codebook;
 pub use crawler::{Crawler, Watch};
-pub use explorer::Explorer;
+pub use explorer::{Decider, Explorer, Transition};
 pub use reference::Reference;
 pub use replayer::Replayer;
+pub use team::Team;
 
 use serde::{Deserialize, Serialize};
 

@@ -1,12 +1,15 @@
-//! Phase 2: every trajectory of phase 1 happens again, now read through the final clusters into the
+//! Phase 2: the trajectories of phase 1 happen again, now read through the final clusters into the
 //! repository. Noise is a function of robot and step, so a trajectory needs no storage: its genome
-//! and the arena give it back to the bit.
+//! and the arena give it back to the bit, where robots begin again as they began. Under a memory
+//! budget, or on line, the genomes that were kept simply drive once more.
 
 use serde::{Deserialize, Serialize};
 
 use super::{Explorer, Scaling};
 use crate::lanes::F8;
-use crate::learn::perceptron::{Perceptron, WEIGHTS};
+use crate::learn::archive::Archive;
+use crate::learn::perceptron::Perceptron;
+use crate::memory::MemoryPlan;
 use crate::pilot::Pilot;
 
 /// A robot in phase 2.
@@ -15,7 +18,7 @@ pub struct Replayer {
     slope: f64,
     scaling: Scaling,
     perceptron: Perceptron,
-    archive: Vec<f32>,
+    archive: Archive,
     /// Genome of the archive that drives.
     place: u32,
     /// The phase-3 learner that is being filled.
@@ -24,7 +27,7 @@ pub struct Replayer {
 
 impl Replayer {
     /// A robot about to replay an archive of genomes into an explorer's repository.
-    pub fn new(slope: f64, scaling: Scaling, archive: Vec<f32>, explorer: Explorer) -> Self {
+    pub fn new(slope: f64, scaling: Scaling, archive: Archive, explorer: Explorer) -> Self {
         let mut replayer = Self {
             slope,
             scaling,
@@ -38,8 +41,7 @@ impl Replayer {
     }
 
     fn load(&mut self) {
-        let genome = self.archive.get(self.place as usize * WEIGHTS..);
-        if let Some(genome) = genome.and_then(|rest| rest.get(..WEIGHTS)) {
+        if let Some(genome) = self.archive.genome(self.place) {
             self.perceptron.load(genome, self.slope);
         }
     }
@@ -65,9 +67,16 @@ impl Replayer {
         &self.explorer
     }
 
+    /// Most bytes held.
+    pub fn bytes_for(plan: &MemoryPlan) -> u64 {
+        let without_explorer = size_of::<Self>() - size_of::<Explorer>();
+        without_explorer as u64 + Archive::heap_bytes_for(plan.genomes) + Explorer::bytes_for(plan)
+    }
+
     /// Bytes held, exactly counted.
-    pub fn bytes(&self) -> usize {
-        size_of::<Self>() + size_of_val(&self.archive[..]) + self.explorer.bytes()
+    pub fn bytes(&self) -> u64 {
+        let without_explorer = size_of::<Self>() - size_of::<Explorer>();
+        without_explorer as u64 + self.archive.heap_bytes() + self.explorer.bytes()
     }
 }
 

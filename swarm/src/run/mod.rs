@@ -1,6 +1,7 @@
 //! A run: a spec brought to life, as a state machine stepped in blocks, saved and restored.
 
 mod learners;
+mod metrics;
 mod model;
 mod plan;
 mod snapshot;
@@ -13,14 +14,19 @@ use std::sync::{Arc, OnceLock};
 use arenas::{Arena, Reachable};
 use sha2::{Digest, Sha256};
 
-pub use types::{CurveRow, Outcome, Phase, Progress, RestoreError};
+pub use metrics::{Metrics, MetricsLog, MetricsRow, RobotMetrics, time_to_cover};
+pub use types::{CurveRow, Outcome, Phase, Progress, RestoreError, RobotMemory};
 
+use crate::memory::MemoryPlan;
 use crate::placement::place;
-use crate::random::Site;
+use crate::random::{Purpose, Site, stream_key};
+use crate::sharing::Sharing;
+use crate::sharing::radio::Radio;
 use crate::spec::{Episodes, FieldError, RunSpec};
 use crate::world::{Backend, Body, Ground, StartPose, World};
 use learners::Learners;
-use plan::{Stage, StageKind, arena_epochs, stages};
+use plan::{Stage, arena_epochs};
+pub(crate) use plan::{StageKind, stages};
 
 /// Most epochs of a run.
 pub const MAX_EPOCHS: u32 = 1_000_000;
@@ -39,8 +45,10 @@ pub struct Run {
     /// The target arena and, where the method trains elsewhere first, the training arena.
     venues: Vec<Venue>,
     place: Place,
+    memory: MemoryPlan,
     learners: Learners,
     curve: Vec<CurveRow>,
+    metrics: Vec<MetricsRow>,
     /// Squares in reach, found when first asked for.
     reachable: OnceLock<Reachable>,
     /// Sensori-motor clusters that phase 1 ended with.
@@ -56,6 +64,8 @@ struct Venue {
     starts: Vec<StartPose>,
     site: Site,
     world: World,
+    /// Where robots share by radio.
+    radio: Option<Radio>,
 }
 
 /// How far a run is.
@@ -77,7 +87,7 @@ fn sites<'a>(
     spec: &'a RunSpec,
     stages: &[Stage],
 ) -> impl Iterator<Item = (&'a Arc<Arena>, Site)> + use<'a> {
-    let trains = stages.iter().any(|stage| stage.kind.begins_in_training());
+    let trains = stages.iter().any(|stage| stage.site == Site::Training);
     let training = spec.controller.training.as_ref().filter(|_| trains);
     let training = training.map(|training| (&training.arena, Site::Training));
     std::iter::once((&spec.arena, Site::Target)).chain(training)
@@ -108,14 +118,20 @@ fn starts(spec: &RunSpec, ground: &Ground, site: Site) -> Result<Vec<StartPose>,
 /// # Errors
 /// When they cannot; says how many can.
 pub fn check_placement(spec: &RunSpec) -> Result<(), FieldError> {
-    sites(spec, &stages(spec)).try_for_each(|(arena, site)| {
+    let stages = MemoryPlan::of(spec).map_or_else(|_| Vec::new(), |plan| stages(spec, &plan));
+    sites(spec, &stages).try_for_each(|(arena, site)| {
         let ground = Ground::new(Arc::clone(arena), &spec.robot);
         starts(spec, &ground, site).map(drop)
     })
 }
 
 impl Venue {
-    fn new(spec: &RunSpec, arena: &Arc<Arena>, site: Site) -> Result<Self, FieldError> {
+    fn new(
+        spec: &RunSpec,
+        memory: &MemoryPlan,
+        arena: &Arc<Arena>,
+        site: Site,
+    ) -> Result<Self, FieldError> {
         let ground = Ground::new(Arc::clone(arena), &spec.robot);
         let starts = starts(spec, &ground, site)?;
         let world = World::new(
@@ -126,11 +142,22 @@ impl Venue {
             spec.seed,
             site,
         );
+        let radio = match &spec.sharing {
+            Sharing::Radio(link) => Some(Radio::new(
+                link,
+                memory,
+                spec.robots as usize,
+                (arena.width_m(), arena.height_m()),
+                stream_key(spec.seed, site, 0, Purpose::Radio),
+            )),
+            Sharing::None | Sharing::Arena => None,
+        };
         Ok(Self {
             ground,
             starts,
             site,
             world,
+            radio,
         })
     }
 
@@ -158,9 +185,10 @@ impl Run {
         if !errors.is_empty() {
             return Err(errors);
         }
-        let stages = stages(&spec);
+        let memory = MemoryPlan::of(&spec).map_err(|_| spec.validate())?;
+        let stages = stages(&spec, &memory);
         let venues = sites(&spec, &stages)
-            .map(|(arena, site)| Venue::new(&spec, arena, site))
+            .map(|(arena, site)| Venue::new(&spec, &memory, arena, site))
             .collect::<Result<_, _>>()
             .map_err(|e| vec![e])?;
         let mut run = Self {
@@ -174,7 +202,9 @@ impl Run {
                 steps: 0,
             },
             curve: Vec::new(),
+            metrics: Vec::new(),
             sensori_motor_clusters: 0,
+            memory,
             spec,
             stages,
             venues,
@@ -201,15 +231,19 @@ impl Run {
     pub fn advance(&mut self, max_steps: u64) -> Progress {
         let mut left = max_steps;
         while left > 0 && self.stage().is_some() {
-            let rest = u64::from(self.spec.steps_per_epoch - self.place.step);
+            let until = self.next_row();
+            let rest = u64::from(until - self.place.step);
             let steps = rest.min(left);
             let venue = self.venue();
-            self.learners.advance(&mut self.venues[venue].world, steps);
+            let Venue { world, radio, .. } = &mut self.venues[venue];
+            self.learners.advance(world, radio.as_mut(), steps);
             self.place.step += steps as u32;
             self.place.steps += steps;
             left -= steps;
             if self.place.step == self.spec.steps_per_epoch {
                 self.end_epoch();
+            } else if self.place.step == until {
+                self.add_row();
             }
         }
         self.progress()
@@ -223,7 +257,7 @@ impl Run {
     fn venue(&self) -> usize {
         let training = self
             .stage()
-            .is_some_and(|stage| stage.kind.begins_in_training());
+            .is_some_and(|stage| stage.site == Site::Training);
         if training && !self.place.showing {
             TRAINING
         } else {
@@ -238,8 +272,8 @@ impl Run {
         if let Some(clusters) = learners.sensori_motor_clusters() {
             self.sensori_motor_clusters = clusters;
         }
-        self.learners = learners.begin(stage.kind, &self.spec);
-        if stage.kind == StageKind::Replay {
+        self.learners = learners.begin(stage.kind, &self.spec, &self.memory);
+        if stage.kind == StageKind::Replay && stage.site == Site::Training {
             // The replay gives the trajectories of phase 1 back, so it must meet the same noise.
             self.venues[TRAINING].begin_again(&self.spec);
         }
@@ -287,6 +321,7 @@ impl Run {
         self.place.epoch += 1;
         if stage.kind.counts() {
             self.curve.push(self.curve_row(self.place.epoch));
+            self.row_after_epoch();
         }
         if self.place.epoch < stage.epochs {
             self.begin_epoch();
@@ -368,7 +403,17 @@ impl Run {
     /// Bytes that robots, learners and squares hold, exactly counted.
     pub fn bytes(&self) -> u64 {
         let worlds: usize = self.venues.iter().map(|venue| venue.world.bytes()).sum();
-        (worlds + self.learners.bytes()) as u64
+        worlds as u64 + self.learners.bytes()
+    }
+
+    /// What each robot's learner may hold.
+    pub fn memory_plan(&self) -> &MemoryPlan {
+        &self.memory
+    }
+
+    /// What each robot's learner holds right now; index is the robot's number.
+    pub fn memory(&self) -> Vec<RobotMemory> {
+        self.learners.memory(&self.memory, &self.spec.sharing)
     }
 
     /// Steps with other instructions than the machine's best; results stay the same.
@@ -388,6 +433,7 @@ impl Run {
         Some(Outcome {
             coverage: self.curve_row(self.spec.epochs),
             reachable: reachable.count,
+            metrics: self.final_metrics(),
             coverage_reachable: counts_within(&self.visits(), &reachable.mask),
             robot_steps: self.progress().robot_steps_done,
             collisions: self.venues[TARGET].world.state().collisions,
@@ -399,6 +445,8 @@ impl Run {
                 .unwrap_or(self.sensori_motor_clusters),
             model: self.model_accuracy(),
             bytes: self.bytes(),
+            memory_plan: self.memory.clone(),
+            memory: self.memory(),
             state_sha256: hex(&Sha256::digest(self.snapshot())),
         })
     }

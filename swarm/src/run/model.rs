@@ -3,7 +3,7 @@
 use super::{Run, TARGET};
 use crate::lanes::F8;
 use crate::learn::accuracy::{Divergence, divergence};
-use crate::pilots::Reference;
+use crate::pilots::{Reference, Scaling};
 use crate::random::{Purpose, Site, stream_key};
 use crate::world::World;
 
@@ -18,7 +18,7 @@ impl Run {
     /// Divergence of the first robot's transition table from a reference that random actions give,
     /// alone in the target arena; `None` where it has no table.
     pub fn model_accuracy(&self) -> Option<Divergence> {
-        let learner = self.learners.explorer()?;
+        let (codebook, table) = self.learners.model()?;
         let (spec, venue) = (&self.spec, &self.venues[TARGET]);
         let start = *venue.starts.first()?;
         let mut world = World::new(
@@ -30,7 +30,8 @@ impl Run {
             Site::Target,
         );
         let key = stream_key(spec.seed, Site::Target, 0, Purpose::Reference);
-        let mut pilots = [Reference::new(learner, key)];
+        let scaling = Scaling::new(spec.controller.parameters.sensor_scale);
+        let mut pilots = [Reference::new(codebook, scaling, key)];
         let counted = u64::from(spec.epochs) * u64::from(spec.steps_per_epoch);
         let mut left = REFERENCE_STEPS.min(counted);
         while left > 0 {
@@ -41,6 +42,6 @@ impl Run {
             left -= steps;
         }
         let reference = pilots[0].counts();
-        Some(divergence(learner.repository(), reference, SMOOTHING))
+        Some(divergence(table, reference, SMOOTHING))
     }
 }

@@ -1,20 +1,24 @@
 //! The stages that a method goes through, and how many epochs each takes.
 
+use crate::memory::MemoryPlan;
+use crate::random::Site;
 use crate::run::Phase;
 use crate::spec::{Method, RunSpec, StatesFrom};
 
 /// A stretch of epochs of one kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Stage {
+pub(crate) struct Stage {
     /// What happens.
     pub kind: StageKind,
     /// How many epochs of it.
     pub epochs: u32,
+    /// Arena in which an epoch begins.
+    pub site: Site,
 }
 
 /// What happens in a stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum StageKind {
+pub(crate) enum StageKind {
     /// Random commands in the target arena; visits do not count.
     Babble,
     /// Evolution in the training arena; visits do not count.
@@ -40,9 +44,17 @@ impl StageKind {
         }
     }
 
-    /// Whether its epochs begin in the training arena.
-    pub fn begins_in_training(self) -> bool {
-        matches!(self, Self::Evolve | Self::Replay | Self::EvolveAndShow)
+    /// Where its epochs begin, unless all of the run is on line.
+    fn site(self) -> Site {
+        match self {
+            Self::Evolve | Self::Replay | Self::EvolveAndShow => Site::Training,
+            Self::Babble | Self::Explore | Self::EvolveInTarget => Site::Target,
+        }
+    }
+
+    /// Whether robots watch what states and actions are made of.
+    pub fn watches(self) -> bool {
+        matches!(self, Self::Babble | Self::Evolve)
     }
 
     /// Whether its epochs are those that the spec counts.
@@ -64,9 +76,14 @@ impl StageKind {
     }
 }
 
-/// The stages of a spec, in order.
-pub(super) fn stages(spec: &RunSpec) -> Vec<Stage> {
-    let stage = |kind, epochs| Stage { kind, epochs };
+/// The stages of a spec under a memory plan, in order.
+pub(crate) fn stages(spec: &RunSpec, plan: &MemoryPlan) -> Vec<Stage> {
+    let on_line = spec.is_on_line();
+    let stage = |kind: StageKind, epochs| Stage {
+        kind,
+        epochs,
+        site: if on_line { Site::Target } else { kind.site() },
+    };
     let p = &spec.controller.parameters;
     let training = spec.controller.training.as_ref();
     let training_epochs = training.map_or(0, |t| t.epochs);
@@ -88,7 +105,7 @@ pub(super) fn stages(spec: &RunSpec) -> Vec<Stage> {
         }
         _ => vec![
             stage(StageKind::Evolve, training_epochs),
-            stage(StageKind::Replay, training_epochs),
+            stage(StageKind::Replay, training_epochs.min(plan.genomes)),
             explore,
         ],
     }
@@ -105,6 +122,7 @@ pub(super) fn arena_epochs(stages: &[Stage]) -> u64 {
 impl RunSpec {
     /// Robot-steps that a run of this spec takes, uncounted phases included.
     pub fn robot_steps(&self) -> u64 {
-        arena_epochs(&stages(self)) * u64::from(self.steps_per_epoch) * u64::from(self.robots)
+        let stages = MemoryPlan::of(self).map_or_else(|_| Vec::new(), |plan| stages(self, &plan));
+        arena_epochs(&stages) * u64::from(self.steps_per_epoch) * u64::from(self.robots)
     }
 }

@@ -6,13 +6,13 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::learners::Learners;
-use super::{CurveRow, Place, RestoreError, Run};
+use super::{CurveRow, MetricsRow, Place, RestoreError, Run};
 use crate::engine::Motor;
 use crate::spec::RunSpec;
 use crate::world::{World, WorldState};
 
 /// Changes whenever the layout of saved state does.
-const MAGIC: &[u8; 8] = b"evswarm1";
+const MAGIC: &[u8; 8] = b"evswarm2";
 
 #[derive(Serialize)]
 struct SavedRef<'a> {
@@ -20,6 +20,7 @@ struct SavedRef<'a> {
     place: Place,
     sensori_motor_clusters: u32,
     curve: &'a [CurveRow],
+    metrics: &'a [MetricsRow],
     learners: &'a Learners,
     worlds: Vec<(&'a WorldState, &'a Motor)>,
 }
@@ -30,6 +31,7 @@ struct Saved {
     place: Place,
     sensori_motor_clusters: u32,
     curve: Vec<CurveRow>,
+    metrics: Vec<MetricsRow>,
     learners: Learners,
     worlds: Vec<(WorldState, Motor)>,
 }
@@ -51,6 +53,7 @@ fn digest(spec: &RunSpec) -> [u8; 32] {
                 training.map(|t| t.epochs),
                 (spec.epochs, spec.steps_per_epoch, spec.robots),
                 (spec.placement, spec.episodes, spec.engine),
+                (spec.memory_budget_bytes, &spec.sharing),
                 &spec.robot,
             )
         )
@@ -69,6 +72,7 @@ pub(super) fn save(run: &Run) -> Vec<u8> {
         place: run.place,
         sensori_motor_clusters: run.sensori_motor_clusters,
         curve: &run.curve,
+        metrics: &run.metrics,
         learners: &run.learners,
         worlds: run
             .venues
@@ -104,7 +108,7 @@ pub(super) fn restore(spec: RunSpec, bytes: &[u8]) -> Result<Run, RestoreError> 
     let mut run = Run::new(spec).map_err(RestoreError::Spec)?;
     let misfit = || unreadable("its parts do not fit the spec");
     if saved.worlds.len() != run.venues.len()
-        || saved.learners.len() != run.spec.robots as usize
+        || saved.learners.robots() != run.spec.robots as usize
         || saved.place.stage as usize > run.stages.len()
     {
         return Err(misfit());
@@ -112,6 +116,7 @@ pub(super) fn restore(spec: RunSpec, bytes: &[u8]) -> Result<Run, RestoreError> 
     run.place = saved.place;
     run.sensori_motor_clusters = saved.sensori_motor_clusters;
     run.curve = saved.curve;
+    run.metrics = saved.metrics;
     run.learners = saved.learners;
     for (venue, (state, motor)) in run.venues.iter_mut().zip(saved.worlds) {
         venue.world = World::restore(

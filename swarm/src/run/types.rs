@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::Metrics;
 use crate::learn::accuracy::Divergence;
+use crate::memory::MemoryPlan;
 use crate::named_choice;
 use crate::spec::FieldError;
 
@@ -61,6 +63,8 @@ pub struct Outcome {
     pub reachable: u32,
     /// Of these, the squares entered at least 1, 2, 5 and 10 times.
     pub coverage_reachable: [u32; 4],
+    /// Swarm metrics at the end.
+    pub metrics: Metrics,
     /// Robot-steps, uncounted phases included.
     pub robot_steps: u64,
     /// Robot-steps of the counted epochs that touched a wall or a robot.
@@ -76,8 +80,21 @@ pub struct Outcome {
     pub model: Option<Divergence>,
     /// Bytes that robots, learners and squares hold, exactly counted.
     pub bytes: u64,
+    /// What each robot's learner could hold.
+    pub memory_plan: MemoryPlan,
+    /// What each robot's learner held at the end; index is the robot's number.
+    pub memory: Vec<RobotMemory>,
     /// SHA-256 of the final snapshot, in hex.
     pub state_sha256: String,
+}
+
+/// What one robot's learner holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RobotMemory {
+    /// Bytes, exactly counted; with a table in common, what a copy of it takes.
+    pub bytes: u64,
+    /// Vectors that found no room for a cluster of their own and joined the nearest.
+    pub clusters_saturated: u64,
 }
 
 /// A snapshot that does not fit.

@@ -41,6 +41,10 @@ pub struct Body {
     /// Centre before the move, metres.
     #[serde(skip)]
     pub(crate) from_m: [f32; 2],
+    /// Way driven while visits counted, metres.
+    pub distance_m: f64,
+    /// Squares that this robot was the first to enter.
+    pub first_entries: u32,
 }
 
 impl Body {
@@ -57,6 +61,17 @@ impl Body {
             square: 0,
             touched: false,
             from_m: [start.x_m, start.y_m],
+            distance_m: 0.0,
+            first_entries: 0,
         }
+    }
+
+    /// Puts the robot at a start pose at rest; what was counted of it stays.
+    pub(super) fn put_back(&mut self, start: &StartPose) {
+        *self = Self {
+            distance_m: self.distance_m,
+            first_entries: self.first_entries,
+            ..Self::at_rest(start)
+        };
     }
 }

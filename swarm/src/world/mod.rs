@@ -6,17 +6,21 @@
 //! random.
 
 mod body;
+mod grid;
 mod step;
+mod tally;
 #[cfg(test)]
 mod tests;
 
 use std::sync::Arc;
 
-use arenas::Arena;
 use arenas::index::WallIndex;
+use arenas::{Arena, Squares};
 use serde::{Deserialize, Serialize};
 
 pub use body::{Body, StartPose};
+use grid::Grid;
+pub use tally::{SAMPLED_ROBOTS, Tally};
 
 use crate::drive::Drive;
 use crate::engine::Motor;
@@ -40,6 +44,8 @@ pub struct WorldState {
     pub bodies: Vec<Body>,
     /// Entries and steps spent, a square.
     visits: Vec<[u32; 2]>,
+    /// When squares were first entered, and by how many robots.
+    pub tally: Tally,
 }
 
 /// Which instructions the step loop is compiled for. All give the same bits.
@@ -74,8 +80,7 @@ pub struct World {
     drive: Drive,
     contact: Contact,
     starts: Vec<StartPose>,
-    squares_per_side: u32,
-    squares_per_m: [f32; 2],
+    grid: Grid,
     noise_keys: Vec<u64>,
     slip_keys: Vec<u64>,
     crowd: Option<Crowd>,
@@ -115,13 +120,14 @@ impl World {
         seed: u64,
         site: Site,
     ) -> Self {
-        let squares = ground.arena.squares();
+        let squares = Squares::of(&ground.arena).count();
         let state = WorldState {
             step: 0,
             readings: 0,
             collisions: 0,
             bodies: starts.iter().map(Body::at_rest).collect(),
-            visits: vec![[0; 2]; (squares * squares) as usize],
+            visits: vec![[0; 2]; squares],
+            tally: Tally::default(),
         };
         let motor = Motor::new(engine, &ground.arena, model, &starts);
         let mut world = Self::assemble(ground, model, state, motor, starts, seed, site);
@@ -140,7 +146,6 @@ impl World {
     ) -> Self {
         let n = starts.len();
         let arena = &ground.arena;
-        let squares = arena.squares();
         let contact = Contact::new(model, arena.width_m().max(arena.height_m()));
         let optics = Optics::new(model);
         let keys = |purpose| {
@@ -167,11 +172,7 @@ impl World {
             optics,
             contact,
             starts,
-            squares_per_side: squares,
-            squares_per_m: [
-                (f64::from(squares) / arena.width_m()) as f32,
-                (f64::from(squares) / arena.height_m()) as f32,
-            ],
+            grid: Grid::of(arena),
             noise_keys: keys(Purpose::SensorNoise),
             slip_keys: if drive.slips() {
                 keys(Purpose::WheelSlip)
@@ -194,9 +195,10 @@ impl World {
         seed: u64,
         site: Site,
     ) -> Option<Self> {
-        let squares = (ground.arena.squares() * ground.arena.squares()) as usize;
+        let squares = Squares::of(&ground.arena).count();
         let fits = state.bodies.len() == starts.len()
             && state.visits.len() == squares
+            && state.tally.fits(starts.len(), squares)
             && state
                 .bodies
                 .iter()
@@ -235,11 +237,20 @@ impl World {
     /// Whether visits and collisions count from now on.
     pub fn set_counting(&mut self, counting: bool) {
         self.counting = counting;
+        if counting {
+            let squares = self.state.visits.len();
+            self.state.tally.begin(self.starts.len(), squares);
+        }
     }
 
     /// Entries of each square, row 0 lowest.
+    pub fn entries(&self) -> impl Iterator<Item = u32> {
+        self.state.visits.iter().map(|visit| visit[0])
+    }
+
+    /// The same as a list.
     pub fn visits(&self) -> Vec<u32> {
-        self.state.visits.iter().map(|v| v[0]).collect()
+        self.entries().collect()
     }
 
     /// Steps spent in each square, row 0 lowest.
@@ -265,13 +276,14 @@ impl World {
             + size_of_val(&self.noise_keys[..])
             + size_of_val(&self.slip_keys[..])
             + size_of_val(&self.state.visits[..])
+            + self.state.tally.bytes()
             + self.crowd.as_ref().map_or(0, Crowd::bytes)
     }
 
     /// Puts every robot back to its start pose at rest and reads the sensors.
     pub fn reset(&mut self) {
         for (body, start) in self.state.bodies.iter_mut().zip(&self.starts) {
-            *body = Body::at_rest(start);
+            body.put_back(start);
         }
         self.motor.place(&self.state.bodies);
         self.enter_squares();
@@ -283,10 +295,16 @@ impl World {
         for i in 0..self.state.bodies.len() {
             let body = &self.state.bodies[i];
             let square = self.square_of(body.x_m, body.y_m);
-            self.state.bodies[i].square = square;
+            let body = &mut self.state.bodies[i];
+            body.square = square;
             if self.counting {
-                self.state.visits[square as usize][0] += 1;
+                self.state.tally.enter(square, body);
+                let entries = &mut self.state.visits[square as usize][0];
+                *entries = entries.saturating_add(1);
             }
+        }
+        if self.counting {
+            self.state.tally.see(&self.state.bodies);
         }
     }
 }

@@ -4,12 +4,10 @@
 //! the order of robots cannot matter: where neighbours matter, they are taken in the order of their
 //! cells, which keeps what is read together in the cache.
 
-use arenas::index::grid_coordinate;
-
-use super::{Backend, World};
+use super::{Backend, World, WorldState};
 use crate::engine::Motor;
 use crate::lanes::F8;
-use crate::pilot::Pilot;
+use crate::pilot::{Crew, Pilot};
 use crate::prefetch::prefetch;
 use crate::random::{mix64, unit};
 
@@ -22,12 +20,17 @@ const AHEAD: usize = 2;
 impl World {
     /// Moves every robot `steps` times; `pilots` has one entry a robot.
     pub fn advance<P: Pilot>(&mut self, pilots: &mut [P], steps: u64) {
-        assert_eq!(pilots.len(), self.robots(), "one pilot a robot");
+        self.advance_crew(pilots, steps);
+    }
+
+    /// As [`World::advance`], with robots that may have to do with each other.
+    pub fn advance_crew<C: Crew + ?Sized>(&mut self, crew: &mut C, steps: u64) {
+        assert_eq!(crew.len(), self.robots(), "one pilot a robot");
         match self.backend {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: `Avx2` is only ever set after detection.
-            Backend::Avx2 => unsafe { advance_avx2(self, pilots, steps) },
-            _ => self.steps(pilots, steps),
+            Backend::Avx2 => unsafe { advance_avx2(self, crew, steps) },
+            _ => self.steps(crew, steps),
         }
     }
 
@@ -42,31 +45,32 @@ impl World {
     }
 
     #[inline(always)]
-    fn steps<P: Pilot>(&mut self, pilots: &mut [P], steps: u64) {
+    fn steps<C: Crew + ?Sized>(&mut self, crew: &mut C, steps: u64) {
         for _ in 0..steps {
-            self.decide_and_drive(pilots);
+            self.decide_and_drive(crew);
             self.collide();
             self.account();
             self.sense();
-            for i in 0..pilots.len() {
-                if let Some(soon) = pilots.get(i + AHEAD) {
-                    soon.expect_learning();
+            for i in 0..crew.len() {
+                if i + AHEAD < crew.len() {
+                    crew.expect_learning(i + AHEAD);
                 }
-                pilots[i].learn(&F8(self.state.bodies[i].sensors));
+                crew.learn(i, &F8(self.state.bodies[i].sensors));
             }
+            crew.end_step(self.state.step, &self.state.bodies);
             self.state.step += 1;
         }
     }
 
     #[inline(always)]
-    fn decide_and_drive<P: Pilot>(&mut self, pilots: &mut [P]) {
+    fn decide_and_drive<C: Crew + ?Sized>(&mut self, crew: &mut C) {
         let step = self.state.step;
         let drive = &self.drive;
         for (i, body) in self.state.bodies.iter_mut().enumerate() {
-            if let Some(soon) = pilots.get(i + AHEAD) {
-                soon.expect_acting();
+            if i + AHEAD < crew.len() {
+                crew.expect_acting(i + AHEAD);
             }
-            let command = pilots[i].act(step, &F8(body.sensors));
+            let command = crew.act(i, step, &F8(body.sensors));
             body.command = command;
             let left = drive.accelerate(body.wheels_rad_s[0], command[0]);
             let right = drive.accelerate(body.wheels_rad_s[1], command[1]);
@@ -109,10 +113,7 @@ impl World {
 
     #[inline(always)]
     pub(super) fn square_of(&self, x_m: f32, y_m: f32) -> u32 {
-        let last = (self.squares_per_side - 1) as f32;
-        let column = grid_coordinate(x_m, self.squares_per_m[0], last);
-        let row = grid_coordinate(y_m, self.squares_per_m[1], last);
-        row as u32 * self.squares_per_side + column as u32
+        self.grid.square_of(x_m, y_m)
     }
 
     #[inline(always)]
@@ -120,16 +121,33 @@ impl World {
         if !self.counting {
             return;
         }
-        for i in 0..self.state.bodies.len() {
-            let body = &self.state.bodies[i];
-            let square = self.square_of(body.x_m, body.y_m);
-            let entered = u32::from(square != body.square);
-            self.state.collisions += u64::from(body.touched);
-            self.state.bodies[i].square = square;
-            let visit = &mut self.state.visits[square as usize];
-            visit[0] = visit[0].saturating_add(entered);
-            visit[1] = visit[1].saturating_add(1);
+        let grid = self.grid;
+        let WorldState {
+            bodies,
+            visits,
+            tally,
+            collisions,
+            ..
+        } = &mut self.state;
+        tally.step();
+        for body in bodies.iter_mut() {
+            let square = grid.square_of(body.x_m, body.y_m);
+            let entered = square != body.square;
+            let (dx_m, dy_m) = (body.x_m - body.from_m[0], body.y_m - body.from_m[1]);
+            *collisions += u64::from(body.touched);
+            body.square = square;
+            body.distance_m += f64::from((dx_m * dx_m + dy_m * dy_m).sqrt());
+            let visit = &mut visits[square as usize];
+            visit[0] = visit[0].saturating_add(u32::from(entered));
+            // One test for both: the first step in the square, and the last that can be counted.
+            let steps = visit[1].wrapping_add(1);
+            if steps <= 1 {
+                tally.end_of_count(square, body, visit);
+            } else {
+                visit[1] = steps;
+            }
         }
+        tally.see(bodies);
     }
 
     #[inline(always)]
@@ -180,8 +198,8 @@ impl World {
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn advance_avx2<P: Pilot>(world: &mut World, pilots: &mut [P], steps: u64) {
-    world.steps(pilots, steps);
+fn advance_avx2<C: Crew + ?Sized>(world: &mut World, crew: &mut C, steps: u64) {
+    world.steps(crew, steps);
 }
 
 #[cfg(target_arch = "x86_64")]

@@ -22,7 +22,9 @@ pub fn wrong_specs() -> Vec<Wrong> {
     let range = "a number out of range or a value of the wrong kind";
     let name = "an unknown arena, method, preset, engine or placement";
     let arena = "an arena with a wall outside it or a start inside a wall";
-    let later = "memory budgets, sharing, recording (not built yet)";
+    let later = "recording (not built yet)";
+    let budget = "a memory budget too small for any plan (the smallest that works is told)";
+    let sharing = "sharing what a method does not have, or by a radio that cannot be";
     let room = |wall: Value, x_m: f64| {
         json!({
             "name": "room", "width_m": 0.6, "height_m": 0.6, "walls_m": [wall],
@@ -240,18 +242,18 @@ pub fn wrong_specs() -> Vec<Wrong> {
             "brownian has no training",
         ),
         (
-            later,
+            budget,
             "/memory_budget_bytes",
-            json!(8_192),
+            json!(16),
             "/memory_budget_bytes",
-            "not supported",
+            "too few",
         ),
         (
-            later,
+            sharing,
             "/sharing",
-            json!({ "mode": "radio" }),
-            "/sharing/mode",
-            "not supported",
+            json!({ "mode": "radio", "bytes_per_step": 1 }),
+            "/sharing/bytes_per_step",
+            "not a whole number",
         ),
         (
             later,

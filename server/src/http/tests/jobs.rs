@@ -301,3 +301,76 @@ async fn runs_are_told_with_what_varies_between_them() {
     let [few, many] = ["steps_per_epoch 20", "steps_per_epoch 30"];
     assert_eq!(labels, [few, few, many, many]);
 }
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn metrics_and_summary_of_a_job_over_robots() {
+    let service = Service::start(None);
+    let body = json!({
+        "name": "scaling",
+        "base": {
+            "arena": "easy", "controller": { "method": "brownian" }, "placement": "random",
+            "epochs": 2, "steps_per_epoch": 100
+        },
+        "matrix": { "robots": [1, 4] },
+        "seeds": { "first": 1, "count": 3 },
+    });
+    let job = service.job(&body).await;
+    service.wait_until(&job, "done").await;
+    let runs = service.runs(&job).await;
+    let run = format!("/v1/runs/{}", runs[3]["id"].as_str().unwrap());
+    let metrics: api::Metrics =
+        serde_json::from_slice(&service.get(&format!("{run}/metrics")).await.body).unwrap();
+    let result: api::RunResult =
+        serde_json::from_slice(&service.get(&format!("{run}/result")).await.body).unwrap();
+    let last = metrics.rows.last().unwrap();
+    assert_eq!(
+        (last.steps, last.epoch, last.collisions),
+        (200, 2, result.collisions)
+    );
+    assert_eq!(last.fractions, result.fractions);
+    let swarm = result.metrics.unwrap();
+    assert_eq!(
+        (Some(last.entropy), last.overlap),
+        (Some(swarm.entropy), swarm.overlap)
+    );
+    assert!(swarm.overlap.is_some() && swarm.overlap_robots == 4);
+    assert!(swarm.distance_m > 0.0 && swarm.mean_coverage < last.fractions.p1);
+    let csv = service.get(&format!("{run}/metrics.csv")).await;
+    assert_eq!(csv.media_type(), "text/csv; charset=utf-8");
+    let lines = String::from_utf8(csv.body.to_vec())
+        .unwrap()
+        .lines()
+        .count();
+    assert_eq!(lines, 1 + metrics.rows.len());
+    let robots = service.get(&format!("{run}/robots.csv")).await;
+    assert_eq!(
+        String::from_utf8(robots.body.to_vec())
+            .unwrap()
+            .lines()
+            .count(),
+        5
+    );
+
+    let summary: api::JobSummary =
+        serde_json::from_slice(&service.get(&format!("{job}/summary")).await.body).unwrap();
+    assert_eq!((summary.runs, summary.runs_done), (6, 6));
+    assert_eq!((summary.groups[0].robots, summary.groups[1].robots), (1, 4));
+    let p1 = &summary.groups[1].measures[0];
+    let expected: f64 = runs[3..]
+        .iter()
+        .map(|r| r["result"]["p1"].as_f64().unwrap())
+        .sum();
+    assert!(p1.name == "p1" && (p1.mean.unwrap() - expected / 3.0).abs() < 1e-9);
+    let cost = summary.groups[0].measures.last().unwrap();
+    assert!(cost.name == "cpu_ns_per_robot_step" && cost.mean.unwrap() > 0.0);
+    assert_eq!(summary.scaling[0].points.len(), 2);
+    let csv = service.get(&format!("{job}/summary.csv")).await;
+    assert_eq!(csv.media_type(), "text/csv; charset=utf-8");
+    let text = service.get(&format!("{job}/summary.md")).await;
+    let text = String::from_utf8(text.body.to_vec()).unwrap();
+    assert!(
+        text.contains("6 of 6 runs done") && text.contains("## Scaling"),
+        "{text}"
+    );
+    assert_problem(&service.get("/v1/jobs/99/summary").await, 404);
+}

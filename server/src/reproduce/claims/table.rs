@@ -8,8 +8,8 @@ use crate::reproduce::plan::{
     SHORT_PHASE_ARENA, SHORT_PHASE_METHOD, SHORT_PHASES, Settings, short_phase_label,
 };
 use crate::reproduce::results::{Finding, Findings};
-use crate::reproduce::statistics::{Comparison, compare, sign_test};
 use crate::spec::{ArenaSource, BuiltinArenas};
+use crate::statistics::{Comparison, compare, sign_test};
 use swarm::spec::Method;
 
 /// Margin of equivalence of claim 7, as a share of the reachable squares.

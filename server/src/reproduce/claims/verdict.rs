@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{Claim, Test};
-use crate::reproduce::statistics::holm;
+use crate::statistics::holm;
 
 /// Level of significance after correction.
 pub const ALPHA: f64 = 0.05;

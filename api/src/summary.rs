@@ -1,0 +1,152 @@
+//! A job's runs pooled over seeds: `GET /v1/jobs/{id}/summary`. Formulas in `docs/metrics.md`.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+/// A job's results by combination of its matrix.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct JobSummary {
+    /// Version of this format.
+    pub schema: u32,
+    /// Id of the job.
+    pub job_id: String,
+    /// Its name.
+    pub name: String,
+    /// Runs in all.
+    pub runs: u64,
+    /// Runs that are done; only these are summed up.
+    pub runs_done: u64,
+    /// One for each combination, in order.
+    pub groups: Vec<Group>,
+    /// How results change with the number of robots; empty where that does not vary.
+    pub scaling: Vec<Scaling>,
+    /// What sharing changes; empty where `sharing.mode` does not vary or lacks `none`.
+    pub sharing: Vec<Sharing>,
+}
+
+/// The runs of one combination.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Group {
+    /// What of the matrix it has, in words.
+    pub label: String,
+    /// The same by dotted path.
+    pub values: BTreeMap<String, Value>,
+    /// Robots.
+    pub robots: u32,
+    /// Runs in all.
+    pub runs: u64,
+    /// Runs that are done.
+    pub runs_done: u64,
+    /// One for each measure.
+    pub measures: Vec<Measure>,
+}
+
+/// A measure over the runs of a group.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Measure {
+    /// Its name, such as `p1` or `t90_steps`.
+    pub name: String,
+    /// Runs that have it: a run that never covered 90 % has no `t90_steps`.
+    pub n: u64,
+    /// Mean, sample standard deviation and median; null of no runs (deviation: of fewer than two).
+    pub mean: Option<f64>,
+    /// As above.
+    pub sd: Option<f64>,
+    /// As above.
+    pub median: Option<f64>,
+    /// 95 % bootstrap interval of the mean; null of fewer than two runs.
+    pub interval: Option<[f64; 2]>,
+}
+
+/// Groups that differ in the number of robots (and what varies with it) alone.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Scaling {
+    /// What they have in common, by dotted path.
+    pub values: BTreeMap<String, Value>,
+    /// Paths that vary, `robots` among them.
+    pub paths: Vec<String>,
+    /// In order of robots.
+    pub points: Vec<ScalingPoint>,
+    /// One for each of `t50_steps`, `t90_steps` and `t99_steps` that two numbers of robots have.
+    pub fits: Vec<PowerLaw>,
+}
+
+/// One number of robots.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ScalingPoint {
+    /// Robots.
+    pub robots: u32,
+    /// Mean processor time a robot-step, nanoseconds.
+    pub cpu_ns_per_robot_step: Option<f64>,
+    /// One for each of `t50_steps`, `t90_steps` and `t99_steps`.
+    pub times: Vec<SpeedUp>,
+}
+
+/// A coverage time against that of one robot.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SpeedUp {
+    /// `t50_steps`, `t90_steps` or `t99_steps`.
+    pub name: String,
+    /// Runs that got there.
+    pub n: u64,
+    /// Their mean, steps.
+    pub mean_steps: Option<f64>,
+    /// Mean time of one robot over this one.
+    pub speed_up: Option<f64>,
+    /// Its 95 % bootstrap interval.
+    pub speed_up_interval: Option<[f64; 2]>,
+    /// Speed-up over the number of robots.
+    pub efficiency: Option<f64>,
+    /// Mean time, steps, of as many robots that do not meet: the union of runs of one robot each.
+    /// Null where the arena varies too, or where there are fewer such runs than robots.
+    pub independent_steps: Option<f64>,
+    /// That time over `mean_steps`: above 1 the swarm is faster than robots that do not meet.
+    pub against_independent: Option<f64>,
+}
+
+/// t = a N^-b, by least squares of ln t on ln N over all runs that got there.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PowerLaw {
+    /// `t50_steps`, `t90_steps` or `t99_steps`.
+    pub name: String,
+    /// Steps for one robot.
+    pub a: f64,
+    /// Exponent: 1 where twice the robots take half the time.
+    pub b: f64,
+    /// Its 95 % bootstrap interval, runs drawn anew within each number of robots.
+    pub b_interval: Option<[f64; 2]>,
+    /// Runs that got there, and runs that did not.
+    pub n: u64,
+    /// As above.
+    pub missed: u64,
+}
+
+/// A mode of sharing against none, all else equal, over numbers of robots.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Sharing {
+    /// `arena` or `radio`.
+    pub mode: String,
+    /// What the runs have in common, by dotted path.
+    pub values: BTreeMap<String, Value>,
+    /// In order of robots.
+    pub points: Vec<SharingPoint>,
+    /// Whether sharing helps, in one sentence.
+    pub verdict: String,
+}
+
+/// The differences at one number of robots, paired by seed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SharingPoint {
+    /// Robots.
+    pub robots: u32,
+    /// Pairs of runs.
+    pub pairs: u64,
+    /// Mean of `mean_coverage` with sharing less that without.
+    pub difference: Option<f64>,
+    /// Its 95 % bootstrap interval.
+    pub interval: Option<[f64; 2]>,
+    /// `helps`, `hurts`, `no difference found` or `too few seeds`.
+    pub verdict: String,
+}

@@ -1,0 +1,84 @@
+//! Each combination's measures over its seeds.
+
+use api::summary::{Group, Measure};
+
+use super::{Combination, FinishedRun, Input, values};
+use crate::statistics::bootstrap::mean_interval;
+use crate::statistics::summary as moments;
+
+/// The names of the measures, in their order.
+pub const MEASURES: [&str; 13] = [
+    "p1",
+    "p2",
+    "p5",
+    "p10",
+    "t50_steps",
+    "t90_steps",
+    "t99_steps",
+    "mean_coverage",
+    "entropy",
+    "overlap",
+    "collisions_per_robot_step",
+    "distance_m",
+    "cpu_ns_per_robot_step",
+];
+
+/// A measure of one run; `None` where it has none.
+pub fn measure(run: &FinishedRun, name: &str) -> Option<f64> {
+    let result = &run.result;
+    let metrics = result.metrics.as_ref();
+    let steps = |steps: Option<u64>| steps.map(|steps| steps as f64);
+    match name {
+        "p1" => Some(f64::from(result.p1)),
+        "p2" => Some(f64::from(result.p2)),
+        "p5" => Some(f64::from(result.p5)),
+        "p10" => Some(f64::from(result.p10)),
+        "t50_steps" => steps(metrics?.t50_steps),
+        "t90_steps" => steps(metrics?.t90_steps),
+        "t99_steps" => steps(metrics?.t99_steps),
+        "mean_coverage" => Some(metrics?.mean_coverage),
+        "entropy" => Some(metrics?.entropy),
+        "overlap" => metrics?.overlap,
+        "collisions_per_robot_step" => {
+            (result.steps > 0).then(|| result.collisions as f64 / result.steps as f64)
+        }
+        "distance_m" => Some(metrics?.distance_m),
+        "cpu_ns_per_robot_step" => run.cpu_ns_per_robot_step,
+        _ => None,
+    }
+}
+
+/// A measure of those of some runs that have it.
+pub fn measured(runs: &[&FinishedRun], name: &str) -> Vec<f64> {
+    runs.iter().filter_map(|run| measure(run, name)).collect()
+}
+
+pub fn groups(input: &Input, combinations: &[Combination<'_>]) -> Vec<Group> {
+    let all = combinations.iter().enumerate();
+    all.map(|(number, combination)| Group {
+        label: input.labels.get(number).cloned().unwrap_or_default(),
+        values: values(&input.design, &combination.indices, &[]),
+        robots: combination.robots,
+        runs: input.design.seeds as u64,
+        runs_done: combination.runs.len() as u64,
+        measures: MEASURES
+            .iter()
+            .map(|name| pooled(name, &measured(&combination.runs, name)))
+            .collect(),
+    })
+    .collect()
+}
+
+fn pooled(name: &str, values: &[f64]) -> Measure {
+    let moments = (!values.is_empty()).then(|| moments(values));
+    Measure {
+        name: name.to_owned(),
+        n: values.len() as u64,
+        mean: moments.map(|moments| moments.mean),
+        sd: moments
+            .filter(|_| values.len() > 1)
+            .map(|moments| moments.sd),
+        median: moments.map(|moments| moments.median),
+        interval: mean_interval(values),
+    }
+}

@@ -1,0 +1,65 @@
+//! What phase 2 makes of what a robot saw: its states, its actions, and the commands of each action.
+
+use serde::{Deserialize, Serialize};
+
+use crate::learn::actuator_samples::ActuatorSamples;
+use crate::learn::centres::Centres;
+use crate::learn::kmeans::{self, Part, Points, kmeans};
+use crate::memory::MemoryPlan;
+use crate::random::Stream;
+use crate::spec::ControllerParameters;
+
+/// States, actions and commands. Tables of robots with the same codebook can be shared.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Codebook {
+    /// Centres of the states.
+    pub states: Centres<8>,
+    /// Centres of the actions.
+    pub actions: Centres<2>,
+    /// Commands of each action.
+    pub samples: ActuatorSamples,
+}
+
+impl Codebook {
+    /// k-means over a sample of sensori-motor vectors (not empty), with `states` and `actions` clusters
+    /// as phase 1 found them (section 4.3.2).
+    pub fn new(
+        p: &ControllerParameters,
+        vectors: &[[f32; 10]],
+        (states, actions): (u32, u32),
+        clustering: &mut Stream,
+    ) -> Self {
+        let (sensors, commands) = (Part::<10, 0>(vectors), Part::<10, 8>(vectors));
+        let states = kmeans::<8>(sensors, states, p, clustering).centres;
+        let actions = kmeans::<2>(commands, actions, p, clustering).centres;
+        let filling = Stream::new(clustering.bits());
+        let mut samples = ActuatorSamples::new(&actions, p.actuator_sample, filling);
+        for command in commands.each() {
+            samples.offer(actions.nearest(&command).0, command);
+        }
+        Self {
+            states,
+            actions,
+            samples,
+        }
+    }
+
+    /// Most bytes that making one takes, itself included, the sample not.
+    pub fn workspace_bytes(plan: &MemoryPlan) -> u64 {
+        let states = kmeans::workspace_bytes::<8>(plan.sample, plan.sensor_clusters);
+        let actions = kmeans::workspace_bytes::<2>(plan.sample, plan.actuator_clusters);
+        states.max(actions) + Self::heap_bytes_for(plan)
+    }
+
+    /// Most bytes held besides the value itself.
+    pub fn heap_bytes_for(plan: &MemoryPlan) -> u64 {
+        Centres::<8>::heap_bytes_for(plan.sensor_clusters)
+            + Centres::<2>::heap_bytes_for(plan.actuator_clusters)
+            + ActuatorSamples::heap_bytes_for(plan.actuator_clusters, plan.actuator_sample)
+    }
+
+    /// Bytes held besides the value itself, exactly counted.
+    pub fn heap_bytes(&self) -> u64 {
+        self.states.heap_bytes() + self.actions.heap_bytes() + self.samples.heap_bytes()
+    }
+}

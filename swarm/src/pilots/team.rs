@@ -1,0 +1,135 @@
+//! Phase 3 with one codebook and one table for all robots of an arena.
+
+use serde::{Deserialize, Serialize};
+
+use super::Codebook;
+use super::explorer::{Decider, Explorer, Transition};
+use crate::lanes::F8;
+use crate::learn::repository::Repository;
+use crate::pilot::Crew;
+use crate::spec::ControllerParameters;
+use crate::world::Body;
+
+/// Robots that choose from the same table and write to it.
+///
+/// All choose from the table as it was when the step began; after the step the transitions go in in
+/// the order of the robots' numbers, so that no order of work shows.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Team {
+    deciders: Vec<Decider>,
+    codebook: Codebook,
+    repository: Repository,
+    clusters_saturated: Vec<u64>,
+}
+
+impl Team {
+    /// A team of robots (at least one) that so far explored by themselves, with the same codebook.
+    ///
+    /// Their tables become one: of each list the oldest entries of all robots go in first, the
+    /// newest last, so that every robot's newest are kept as far as `lambda` allows.
+    pub fn new(p: &ControllerParameters, robots: Vec<Explorer>) -> Option<Self> {
+        let codebook = robots.first()?.codebook().clone();
+        let mut repository = Repository::new(codebook.states.len(), codebook.actions.len(), p);
+        for i in 0..repository.states() {
+            for j in 0..repository.actions() {
+                merge(&mut repository, &robots, i, j);
+            }
+        }
+        let parts = robots.into_iter().map(Explorer::into_parts);
+        let (deciders, clusters_saturated) = parts
+            .map(|(decider, _, _, saturated)| (decider, saturated))
+            .unzip();
+        Some(Self {
+            deciders,
+            codebook,
+            repository,
+            clusters_saturated,
+        })
+    }
+
+    /// Starts a trajectory from the sensors read at its beginning.
+    pub fn begin_trajectory(&mut self, bodies: &[Body]) {
+        for (decider, body) in self.deciders.iter_mut().zip(bodies) {
+            decider.begin_trajectory(&self.codebook, &F8(body.sensors));
+        }
+    }
+
+    /// The common states, actions and commands.
+    pub fn codebook(&self) -> &Codebook {
+        &self.codebook
+    }
+
+    /// The common table.
+    pub fn repository(&self) -> &Repository {
+        &self.repository
+    }
+
+    /// Robots.
+    pub fn robots(&self) -> usize {
+        self.deciders.len()
+    }
+
+    /// Vectors of each robot's phase 1 that found no room for a cluster of their own.
+    pub fn clusters_saturated(&self) -> &[u64] {
+        &self.clusters_saturated
+    }
+
+    /// Bytes that a robot needs for itself and a copy of what is common.
+    pub fn robot_bytes(&self) -> u64 {
+        size_of::<Explorer>() as u64 + self.common_bytes()
+    }
+
+    /// Bytes held in all, exactly counted: what is common is held once.
+    pub fn bytes(&self) -> u64 {
+        let a_robot = size_of::<Decider>() + size_of::<u64>();
+        (size_of::<Self>() + self.deciders.len() * a_robot) as u64 + self.common_bytes()
+    }
+
+    fn common_bytes(&self) -> u64 {
+        self.codebook.heap_bytes() + self.repository.heap_bytes()
+    }
+}
+
+/// The lists S(i, j) of all robots as one: position from the newest decides, then the robot.
+fn merge(common: &mut Repository, robots: &[Explorer], i: u32, j: u32) {
+    let lists: Vec<Vec<u32>> = robots
+        .iter()
+        .map(|robot| robot.repository().list(i, j).collect())
+        .collect();
+    let longest = lists.iter().map(Vec::len).max().unwrap_or(0);
+    for from_newest in (1..=longest).rev() {
+        for list in &lists {
+            if let Some(place) = list.len().checked_sub(from_newest) {
+                common.record(i, j, list[place]);
+            }
+        }
+    }
+}
+
+impl Crew for Team {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.deciders.len()
+    }
+
+    #[inline(always)]
+    fn act(&mut self, robot: usize, step: u64, _raw: &F8) -> [f32; 2] {
+        self.deciders[robot].act(&self.codebook, &self.repository, step)
+    }
+
+    #[inline(always)]
+    fn learn(&mut self, robot: usize, raw: &F8) {
+        self.deciders[robot].arrive(&self.codebook, raw);
+    }
+
+    fn end_step(&mut self, _step: u64, _bodies: &[Body]) {
+        for decider in &self.deciders {
+            let Transition {
+                state,
+                action,
+                next,
+            } = decider.last();
+            self.repository.record(state, action, next);
+        }
+    }
+}
