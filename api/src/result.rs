@@ -42,6 +42,17 @@ pub struct ClusterCounts {
     pub sensori_motor: u32,
 }
 
+/// How far the first robot's transition table is from a reference that random actions in the target
+/// arena give (section 4.3.4 of the thesis).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ModelAccuracy {
+    /// Kullback-Leibler divergence in nats, summed over the pairs of state and action that the table
+    /// knows.
+    pub divergence_nats: f64,
+    /// Number of those pairs: compare tables by the divergence a pair.
+    pub pairs: u32,
+}
+
 /// What each robot's learner may hold: caps of everything that grows.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MemoryPlan {
@@ -163,6 +174,9 @@ pub struct RunResult {
     pub collisions: u64,
     /// Clusters of the first robot.
     pub clusters: ClusterCounts,
+    /// Of the first robot's table at the end; null where the method has none.
+    #[serde(default)]
+    pub model: Option<ModelAccuracy>,
     /// Bytes that the run holds, exactly counted.
     pub bytes: u64,
     /// What the robots' learners held.

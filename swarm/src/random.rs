@@ -25,6 +25,8 @@ pub enum Purpose {
     Placement = 7,
     /// Whom a robot hears first, and what it tells.
     Radio = 8,
+    /// Random actions of the reference that model accuracy is measured against.
+    Reference = 9,
 }
 
 /// Which arena of a run a stream belongs to. The numbers are part of every result.

@@ -102,6 +102,18 @@ named_choice! {
 }
 
 named_choice! {
+    /// Which action is taken of several with the same highest score (phase 3).
+    Ties {
+        /// The first, in order of the actuator clusters, which are sorted by their left command.
+        First = "first",
+        /// Any of them, at random.
+        Random = "random",
+        /// The last action again if it is one of them, else any at random.
+        Keep = "keep",
+    }
+}
+
+named_choice! {
     /// Where `im` takes its clusters from.
     StatesFrom {
         /// From its own random commands in the target arena.
@@ -176,6 +188,7 @@ parameter_table! {
         insufficiency: Insufficiency = Insufficiency::EveryAction, Choice { names: Insufficiency::NAMES }, "", "When a state's information is insufficient", "Alg. 5 against section 4.3.3";
         eta: f64 = 0.05, Real { min: 0.0, max: 1.0 }, "1", "Probability of a uniformly random action", "table 5.2";
         alpha: f64 = 0.7, Real { min: 0.0, max: 1.0 }, "1", "Weight of leaving the state against transition entropy", "eq. 4.9";
+        ties: Ties = Ties::First, Choice { names: Ties::NAMES }, "", "Which action is taken of several with the same highest score", "open in the thesis";
         action_hold_steps: u32 = 1, Whole { min: 1, max: 1_000 }, "steps", "Steps that a phase-3 action is held", "calibration";
         states_from: StatesFrom = StatesFrom::Babbling, Choice { names: StatesFrom::NAMES }, "", "Where `im` takes its clusters from", "open in the thesis";
         babbling_epochs: u32 = 5, Whole { min: 1, max: 100_000 }, "epochs", "Epochs of random commands before `im` clusters (not counted as visits)", "calibration";

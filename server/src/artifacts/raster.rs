@@ -25,25 +25,30 @@ pub fn png(scene: &Scene) -> Vec<u8> {
     for item in &scene.items {
         canvas.draw(item);
     }
-    encode(&canvas.pixmap)
-}
-
-/// RGB without alpha: every pixel is opaque.
-fn encode(pixmap: &Pixmap) -> Vec<u8> {
-    let rgb: Vec<u8> = pixmap
+    // RGB without alpha: every pixel is opaque.
+    let rgb: Vec<u8> = canvas
+        .pixmap
         .pixels()
         .iter()
         .flat_map(|pixel: &PremultipliedColorU8| [pixel.red(), pixel.green(), pixel.blue()])
         .collect();
+    png_of_rgb(&rgb, scene.width_px, scene.height_px)
+}
+
+/// Pixels as PNG, row by row from the top, three bytes each.
+///
+/// # Panics
+/// When there are not `width` x `height` pixels.
+pub fn png_of_rgb(rgb: &[u8], width: u32, height: u32) -> Vec<u8> {
     let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, pixmap.width(), pixmap.height());
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     // Writing to memory cannot fail, and the data has the announced size.
     #[allow(clippy::expect_used)]
     encoder
         .write_header()
-        .and_then(|mut writer| writer.write_image_data(&rgb))
+        .and_then(|mut writer| writer.write_image_data(rgb))
         .expect("a picture in memory can be encoded");
     bytes
 }

@@ -2,7 +2,9 @@
 
 use std::fmt::Write;
 
-use api::{ClusterCounts, Coverage, Fractions, Memory, MemoryPlan, RunResult, SCHEMA};
+use api::{
+    ClusterCounts, Coverage, Fractions, Memory, MemoryPlan, ModelAccuracy, RunResult, SCHEMA,
+};
 use arenas::Arena;
 use swarm::run::{CurveRow, Outcome, counts_within};
 
@@ -30,6 +32,10 @@ pub fn run_result(outcome: &Outcome) -> RunResult {
             actuator: outcome.actuator_clusters,
             sensori_motor: outcome.sensori_motor_clusters,
         },
+        model: outcome.model.map(|model| ModelAccuracy {
+            divergence_nats: model.sum_nats,
+            pairs: model.pairs,
+        }),
         bytes: outcome.bytes,
         memory: memory(outcome),
         state_sha256: outcome.state_sha256.clone(),

@@ -63,6 +63,7 @@ fn outcome() -> Outcome {
         sensor_clusters: 3,
         actuator_clusters: 4,
         sensori_motor_clusters: 5,
+        model: None,
         bytes: 678,
         memory_plan: MemoryPlan {
             sensor_clusters: 12,

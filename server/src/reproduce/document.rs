@@ -33,6 +33,7 @@ border-top:1.5px solid #111;border-bottom:1.5px solid #111}\
 caption{text-align:left;padding:.3rem 0;font-size:.9rem}\
 th{border-bottom:1px solid #111;text-align:right;vertical-align:bottom;padding:.2rem .5rem}\
 td{padding:.12rem .5rem;text-align:right;vertical-align:top;font-variant-numeric:tabular-nums}\
+td.reproduced{color:#17692b;font-weight:bold}td.contradicted{color:#a3151b;font-weight:bold}\
 td:not(.w){white-space:nowrap}td.w,th.w{text-align:left}tr.first td{border-top:1px solid #ccc}\
 figure{margin:1rem 0 1.8rem}figure svg{max-width:100%;height:auto}\
 figcaption{font-size:.9rem}\
@@ -112,10 +113,13 @@ pub fn html(blocks: &[Block]) -> String {
 fn html_table(out: &mut String, table: &Table) {
     let line = |tag: &str, cells: &[String]| -> String {
         let cell = |(column, text): (usize, &String)| {
-            let class = if column < table.words {
-                " class=\"w\""
-            } else {
-                ""
+            let class = match text.as_str() {
+                // A cell that is a verdict and nothing else is set apart.
+                verdict @ ("reproduced" | "contradicted") if tag == "td" => {
+                    format!(" class=\"w {verdict}\"")
+                }
+                _ if column < table.words => " class=\"w\"".to_owned(),
+                _ => String::new(),
             };
             format!("<{tag}{class}>{}</{tag}>", escaped(text))
         };

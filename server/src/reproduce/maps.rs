@@ -1,4 +1,4 @@
-//! Maps of an arena, one a method: in which share of the runs each square was entered.
+//! Maps of an arena, one a method: how often one run entered each square, or how many runs did.
 
 use std::fmt::Write;
 
@@ -7,14 +7,22 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
 use super::document::escaped;
+use crate::artifacts;
 
-/// One method's runs.
+/// One method's map.
 pub struct Map {
-    pub method: String,
-    /// Runs that entered each square, row 0 the lowest y.
+    pub title: String,
+    /// Entries of one run, or runs that entered each square; row 0 the lowest y.
     pub entered: Vec<u32>,
-    /// Runs in all.
-    pub runs: u32,
+}
+
+/// What the maps of a figure count.
+#[derive(Clone, Copy)]
+pub enum Counted {
+    /// Entries of one run, in the steps of p1, p2, p5 and p10.
+    Entries,
+    /// Runs that entered a square, of so many.
+    Runs(u32),
 }
 
 /// Maps beside each other.
@@ -37,7 +45,7 @@ const SCALE: [[u8; 3]; 5] = [
 ];
 
 /// Draws the maps of one arena with a legend. `reachable` holds a value for each square.
-pub fn svg(arena: &Arena, reachable: &[bool], maps: &[Map]) -> String {
+pub fn svg(arena: &Arena, reachable: &[bool], maps: &[Map], counted: Counted) -> String {
     let per_m = SIDE / arena.width_m().max(arena.height_m());
     let (width, height) = (arena.width_m() * per_m, arena.height_m() * per_m);
     let rows = maps.len().div_ceil(COLUMNS);
@@ -52,7 +60,7 @@ pub fn svg(arena: &Arena, reachable: &[bool], maps: &[Map]) -> String {
     for (place, map) in maps.iter().enumerate() {
         let left = (place % COLUMNS) as f64 * (width + GAP) + 0.5 * GAP;
         let top = (place / COLUMNS) as f64 * (height + TITLE + GAP) + TITLE;
-        let picture = STANDARD.encode(png(map, reachable, arena.squares()));
+        let picture = STANDARD.encode(png(map, reachable, arena.squares(), counted));
         // Writing to a string cannot fail.
         let _ = writeln!(
             out,
@@ -60,10 +68,10 @@ pub fn svg(arena: &Arena, reachable: &[bool], maps: &[Map]) -> String {
              <image width=\"{width:.1}\" height=\"{height:.1}\" preserveAspectRatio=\"none\" \
              style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{picture}\"/>\
              {walls}</g>",
-            escaped(&map.method)
+            escaped(&map.title)
         );
     }
-    legend(&mut out, whole_height - LEGEND + 14.0);
+    legend(&mut out, whole_height - LEGEND + 14.0, counted);
     out.push_str("</svg>\n");
     out
 }
@@ -84,7 +92,7 @@ fn walls(arena: &Arena, per_m: f64, height: f64) -> String {
     format!("<path fill=\"none\" stroke=\"#111\" stroke-width=\"1.2\" d=\"{path}\"/>")
 }
 
-fn legend(out: &mut String, top: f64) {
+fn legend(out: &mut String, top: f64, counted: Counted) {
     const STEPS: u32 = 40;
     let swatch = |out: &mut String, x: f64, width: f64, [red, green, blue]: [u8; 3]| {
         let _ = write!(
@@ -97,51 +105,66 @@ fn legend(out: &mut String, top: f64) {
         let y = top + 10.0;
         let _ = write!(out, "<text x=\"{x:.1}\" y=\"{y:.1}\">{text}</text>");
     };
-    label(out, 5.0, "entered in: one run");
-    for step in 0..STEPS {
-        let x = 124.0 + 4.0 * f64::from(step);
-        swatch(out, x, 4.2, shade(step + 1, STEPS));
+    match counted {
+        Counted::Runs(_) => {
+            label(out, 5.0, "entered in: one run");
+            for step in 0..STEPS {
+                let x = 124.0 + 4.0 * f64::from(step);
+                swatch(out, x, 4.2, shade(f64::from(step) / f64::from(STEPS - 1)));
+            }
+            label(out, 292.0, "all runs");
+        }
+        Counted::Entries => {
+            label(out, 5.0, "entered:");
+            for (place, text) in ["once", "2 to 4", "5 to 9", "10 or more times"]
+                .into_iter()
+                .enumerate()
+            {
+                let x = 60.0 + 66.0 * place as f64;
+                swatch(out, x, 14.0, shade(place as f64 / 3.0));
+                label(out, x + 18.0, text);
+            }
+        }
     }
-    label(out, 292.0, "all runs");
-    swatch(out, 360.0, 18.0, UNREACHABLE);
-    label(out, 384.0, "never, and not reachable; white: never");
+    swatch(out, 372.0, 18.0, UNREACHABLE);
+    label(out, 396.0, "never, and not reachable; white: never");
     out.push('\n');
 }
 
 /// One pixel a square, the highest y at the top.
-fn png(map: &Map, reachable: &[bool], [columns, rows]: [u32; 2]) -> Vec<u8> {
+fn png(map: &Map, reachable: &[bool], [columns, rows]: [u32; 2], counted: Counted) -> Vec<u8> {
     let across = columns.max(1) as usize;
     let mut rgb = Vec::with_capacity(3 * map.entered.len());
     let lines = map.entered.chunks(across).zip(reachable.chunks(across));
     for (entered, reachable) in lines.rev() {
-        for (&runs, &reachable) in entered.iter().zip(reachable) {
-            rgb.extend(match (runs, reachable) {
+        for (&entered, &reachable) in entered.iter().zip(reachable) {
+            rgb.extend(match (entered, reachable) {
                 (0, true) => NEVER,
                 (0, false) => UNREACHABLE,
-                _ => shade(runs, map.runs),
+                _ => shade(share(entered, counted)),
             });
         }
     }
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, columns, rows);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    // Writing to memory cannot fail, and the data has the announced size.
-    #[allow(clippy::expect_used)]
-    encoder
-        .write_header()
-        .and_then(|mut writer| writer.write_image_data(&rgb))
-        .expect("a picture in memory can be encoded");
-    bytes
+    artifacts::png_of_rgb(&rgb, columns, rows)
 }
 
-/// The colour of a square that so many of all runs entered, at least one.
-fn shade(runs: u32, of: u32) -> [u8; 3] {
+/// Where on the scale, 0 to 1, a count of at least one is.
+fn share(count: u32, counted: Counted) -> f64 {
+    match counted {
+        Counted::Entries => match count {
+            0 | 1 => 0.0,
+            2..5 => 1.0 / 3.0,
+            5..10 => 2.0 / 3.0,
+            _ => 1.0,
+        },
+        Counted::Runs(0 | 1) => 1.0,
+        Counted::Runs(of) => f64::from(count.saturating_sub(1)) / f64::from(of - 1),
+    }
+}
+
+/// The colour at a place of the scale, 0 to 1.
+fn shade(share: f64) -> [u8; 3] {
     let last = (SCALE.len() - 1) as f64;
-    let share = match of {
-        0 | 1 => 1.0,
-        of => f64::from(runs.saturating_sub(1)) / f64::from(of - 1),
-    };
     let place = (share * last).clamp(0.0, last);
     let from = (place as usize).min(SCALE.len() - 2);
     let part = place - from as f64;
@@ -161,20 +184,27 @@ mod tests {
 
     #[test]
     fn shades_go_from_one_run_to_all() {
-        assert_eq!(shade(1, 15), SCALE[0]);
-        assert_eq!(shade(8, 15), SCALE[2]);
-        assert_eq!(shade(15, 15), SCALE[4]);
-        assert_eq!(shade(1, 1), SCALE[4]);
+        let of = |runs, all| shade(share(runs, Counted::Runs(all)));
+        assert_eq!(of(1, 15), SCALE[0]);
+        assert_eq!(of(8, 15), SCALE[2]);
+        assert_eq!(of(15, 15), SCALE[4]);
+        assert_eq!(of(1, 1), SCALE[4]);
+    }
+
+    #[test]
+    fn entries_are_shown_in_the_steps_of_the_tables() {
+        let of = |entries| share(entries, Counted::Entries);
+        assert!(of(1) < of(2) && of(4) < of(5) && of(9) < of(10));
+        assert_eq!((of(2), of(5), of(10)), (of(4), of(9), of(5_000)));
     }
 
     #[test]
     fn a_map_is_one_pixel_a_square_with_the_highest_row_first() {
         let map = Map {
-            method: "im".to_owned(),
+            title: "im".to_owned(),
             entered: vec![3, 0, 0, 1],
-            runs: 3,
         };
-        let bytes = png(&map, &[true, true, false, true], [2, 2]);
+        let bytes = png(&map, &[true, true, false, true], [2, 2], Counted::Runs(3));
         let mut reader = png::Decoder::new(std::io::Cursor::new(bytes))
             .read_info()
             .unwrap();
@@ -186,12 +216,12 @@ mod tests {
     #[test]
     fn maps_stand_side_by_side_with_walls() {
         let arena = arenas::builtin("maze").unwrap();
-        let map = |method: &str| Map {
-            method: method.to_owned(),
+        let map = |title: &str| Map {
+            title: title.to_owned(),
             entered: vec![1; 10_000],
-            runs: 2,
         };
-        let svg = svg(&arena, &[true; 10_000], &[map("im"), map("ev-iter-c")]);
+        let maps = [map("im"), map("ev-iter-c")];
+        let svg = svg(&arena, &[true; 10_000], &maps, Counted::Entries);
         assert_eq!(svg.matches("<image").count(), 2);
         assert!(svg.contains(">im<") && svg.contains("data:image/png;base64,iVBOR"));
     }

@@ -5,6 +5,7 @@
 mod claims;
 mod curves;
 mod document;
+mod engines;
 mod far_chamber;
 mod maps;
 mod plan;

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use api::FieldError;
 use serde_json::{Value, json};
+use swarm::spec::EngineKind;
 
 use crate::spec::{self, BuiltinArenas, ResolvedRun};
 
@@ -14,6 +15,9 @@ pub(super) const SHORT_PHASE_ARENA: &str = "maze";
 pub(super) const SHORT_PHASE_METHOD: &str = "ev-iter-c";
 /// As above, epochs; the template has 200.
 pub(super) const SHORT_PHASES: [u32; 2] = [20, 50];
+
+/// The main comparison, which is repeated under the engine rapier.
+pub(super) const ENGINE_METHODS: [&str; 3] = ["im", "ev-iter-c", "curiosity-a"];
 
 /// What to reproduce.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -26,6 +30,8 @@ pub struct Settings {
     pub steps_per_epoch: u32,
     /// Names of built-in arenas, each once.
     pub arenas: Vec<String>,
+    /// Seeds of the main comparison under the engine rapier; at most `seeds`, 0 leaves it out.
+    pub rapier_seeds: u32,
 }
 
 /// All runs, in the order of the report.
@@ -44,6 +50,8 @@ pub struct PlannedRun {
     pub arena: String,
     /// The method's name; with a shorter first phase its epochs after a colon.
     pub method: String,
+    /// Which physics moved its robot.
+    pub engine: EngineKind,
     /// The run.
     pub spec: ResolvedRun,
 }
@@ -88,6 +96,17 @@ impl Plan {
                 runs.extend(expanded(&job, |_| short_phase_label(epochs))?);
             }
         }
+        if settings.rapier_seeds > 0 {
+            let mut base = base;
+            base["engine"] = Value::from(EngineKind::Rapier.name());
+            let job = json!({
+                "template": "chapter-5",
+                "base": base,
+                "matrix": { "arena": settings.arenas, "controller.method": ENGINE_METHODS },
+                "seeds": { "first": 1, "count": settings.rapier_seeds.min(settings.seeds) },
+            });
+            runs.extend(expanded(&job, |spec| spec.method().name().to_owned())?);
+        }
         Ok(Self { settings, runs })
     }
 
@@ -108,10 +127,14 @@ impl Plan {
             seeds,
             epochs,
             arenas,
+            rapier_seeds,
             ..
         } = &self.settings;
         let arenas = arenas.join(",");
-        format!("evswarm reproduce --out DIR --seeds {seeds} --epochs {epochs} --arenas {arenas}")
+        format!(
+            "evswarm reproduce --out DIR --seeds {seeds} --epochs {epochs} --arenas {arenas} \
+             --rapier-seeds {rapier_seeds}"
+        )
     }
 }
 
@@ -135,6 +158,7 @@ fn expanded(
         .map(|spec| PlannedRun {
             arena: spec.arena().name().to_owned(),
             method: method(&spec),
+            engine: spec.engine(),
             spec,
         })
         .collect())
@@ -151,6 +175,7 @@ mod tests {
             epochs: 2_000,
             steps_per_epoch: 2_000,
             arenas: arenas.iter().map(|&name| name.to_owned()).collect(),
+            rapier_seeds: 0,
         }
     }
 
@@ -176,6 +201,20 @@ mod tests {
         );
         let training = last.spec.run_spec().controller.training.unwrap();
         assert_eq!((training.arena.name(), training.epochs), ("easy", 50));
+    }
+
+    #[test]
+    fn the_main_comparison_is_repeated_under_rapier() {
+        let plan = Plan::new(Settings {
+            rapier_seeds: 5,
+            ..settings(&["easy", "maze"])
+        })
+        .unwrap();
+        let rapier = |run: &&PlannedRun| run.engine == EngineKind::Rapier;
+        assert_eq!(plan.runs.iter().filter(rapier).count(), 2 * 3 * 5);
+        assert_eq!(plan.methods().len(), 12);
+        let run = plan.runs.iter().find(rapier).unwrap().spec.run_spec();
+        assert_eq!(run.engine, EngineKind::Rapier);
     }
 
     #[test]

@@ -8,9 +8,10 @@ use arenas::Arena;
 
 use super::claims::{self, Claims};
 use super::document::{self, Block};
+use super::maps::{self, Counted};
 use super::plan::Plan;
 use super::results::{Finding, Findings};
-use super::{curves, maps, sections};
+use super::{curves, engines, sections};
 use crate::spec::{ArenaSource, BuiltinArenas};
 
 /// Reads every run of the plan and writes `runs.csv`, `claims.json`, `report.md` and `report.html`
@@ -86,8 +87,10 @@ fn blocks(
             .arena(name)
             .with_context(|| format!("there is no arena {name}"))?;
         blocks.push(curves_of(plan, findings, name));
-        blocks.push(maps_of(plan, findings, &arena, radius_m));
+        blocks.extend(maps_of(plan, findings, &arena, radius_m));
     }
+    blocks.extend(sections::model_accuracy(plan, findings));
+    blocks.extend(engines::section(&plan.settings, findings, &claims.engines));
     blocks.extend(sections::test_tables(claims));
     blocks.extend(sections::settings(plan));
     Ok(blocks)
@@ -112,25 +115,55 @@ fn curves_of(plan: &Plan, findings: &Findings, arena: &str) -> Block {
     }
 }
 
-fn maps_of(plan: &Plan, findings: &Findings, arena: &Arena, radius_m: f64) -> Block {
+/// Maps of all runs, and of one run of each method.
+fn maps_of(plan: &Plan, findings: &Findings, arena: &Arena, radius_m: f64) -> [Block; 2] {
     let name = arena.name();
     let reachable = arena.starts().first().map_or_else(Vec::new, |start| {
         arenas::reachable(arena, *start, radius_m).mask
     });
-    let map = |method: &str| {
+    let all = |method: &str| {
         let runs: Vec<&Finding> = findings.of(name, method).collect();
         let entered = |square| runs.iter().filter(|run| run.visits[square] > 0).count() as u32;
         maps::Map {
-            method: method.to_owned(),
+            title: method.to_owned(),
             entered: (0..reachable.len()).map(entered).collect(),
-            runs: runs.len() as u32,
         }
     };
-    let maps: Vec<maps::Map> = methods_on(plan, findings, name).map(map).collect();
-    Block::Figure {
-        svg: maps::svg(arena, &reachable, &maps),
-        caption: format!("Squares of {name} entered over all runs, by the number of runs."),
-    }
+    let one = |method: &str| {
+        let run = median_run(findings.of(name, method))?;
+        Some(maps::Map {
+            title: format!("{method}, seed {}", run.seed),
+            entered: run.visits.clone(),
+        })
+    };
+    let figure = |maps: &[maps::Map], counted, caption| Block::Figure {
+        svg: maps::svg(arena, &reachable, maps, counted),
+        caption,
+    };
+    let all: Vec<maps::Map> = methods_on(plan, findings, name).map(all).collect();
+    let one: Vec<maps::Map> = methods_on(plan, findings, name).filter_map(one).collect();
+    [
+        figure(
+            &all,
+            Counted::Runs(plan.settings.seeds),
+            format!("Squares of {name} entered over all runs, by the number of runs."),
+        ),
+        figure(
+            &one,
+            Counted::Entries,
+            format!(
+                "Squares of {name} entered in one run of each method, that of median p1 (the \
+                 lower of two), by the number of entries."
+            ),
+        ),
+    ]
+}
+
+/// The run in the middle by p1, the lower of two, the smaller seed on ties.
+fn median_run<'a>(runs: impl Iterator<Item = &'a Finding>) -> Option<&'a Finding> {
+    let mut runs: Vec<&Finding> = runs.collect();
+    runs.sort_by_key(|run| (run.result.p1, run.seed));
+    runs.get(runs.len().saturating_sub(1) / 2).copied()
 }
 
 /// Methods that have runs on an arena.

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use anyhow::{Context, bail, ensure};
 use api::RunResult;
+use swarm::spec::EngineKind;
 
 use super::plan::{Plan, PlannedRun};
 use crate::artifacts;
@@ -16,6 +17,7 @@ use crate::statistics::{Summary, summary};
 pub struct Finding {
     pub arena: String,
     pub method: String,
+    pub engine: EngineKind,
     pub seed: u64,
     pub result: RunResult,
     /// p1 after each epoch.
@@ -42,6 +44,12 @@ impl Finding {
         let shares = self.result.fractions;
         [shares.p1, shares.p2, shares.p5, shares.p10]
     }
+
+    /// Divergence of its model in nats a pair that the model knows; `None` without a model.
+    fn divergence_a_pair(&self) -> Option<f64> {
+        let model = self.result.model.filter(|model| model.pairs > 0)?;
+        Some(model.divergence_nats / f64::from(model.pairs))
+    }
 }
 
 impl Findings {
@@ -62,15 +70,33 @@ impl Findings {
             .map(Self)
     }
 
-    /// Runs of a method on an arena, by seed.
+    /// Nats a pair of state and action that the transition tables of those runs are from the
+    /// reference (section 4.3.4), of the runs that have a table.
+    pub fn divergence_a_pair(&self, arena: &str, method: &str) -> Vec<f64> {
+        self.of(arena, method)
+            .filter_map(Finding::divergence_a_pair)
+            .collect()
+    }
+
+    /// Runs of a method on an arena under the kinematic engine, by seed.
     pub fn of<'a>(
         &'a self,
         arena: &'a str,
         method: &'a str,
     ) -> impl Iterator<Item = &'a Finding> + Clone {
+        self.under(EngineKind::Kinematic, arena, method)
+    }
+
+    /// Runs of a method on an arena under an engine, by seed.
+    pub fn under<'a>(
+        &'a self,
+        engine: EngineKind,
+        arena: &'a str,
+        method: &'a str,
+    ) -> impl Iterator<Item = &'a Finding> + Clone {
         self.0
             .iter()
-            .filter(move |run| run.arena == arena && run.method == method)
+            .filter(move |run| run.engine == engine && run.arena == arena && run.method == method)
     }
 
     /// A figure of each of those runs.
@@ -90,24 +116,45 @@ impl Findings {
         (!rows.is_empty()).then(|| std::array::from_fn(|place| summary(&column(place))))
     }
 
-    /// `runs.csv`: one line a run, by arena, method and seed.
+    /// `runs.csv`: one line a run, by engine, arena, method and seed.
     pub fn csv(&self) -> String {
         let mut runs: Vec<&Finding> = self.0.iter().collect();
         runs.sort_by(|one, other| {
-            (&one.arena, &one.method, one.seed).cmp(&(&other.arena, &other.method, other.seed))
+            let engine = |run: &Finding| run.engine.name();
+            (engine(one), &one.arena, &one.method, one.seed).cmp(&(
+                engine(other),
+                &other.arena,
+                &other.method,
+                other.seed,
+            ))
         });
         let mut text = String::from(
-            "arena,method,seed,p1,p2,p5,p10,reachable,\
-             p1_fraction,p2_fraction,p5_fraction,p10_fraction\n",
+            "engine,arena,method,seed,p1,p2,p5,p10,reachable,\
+             p1_fraction,p2_fraction,p5_fraction,p10_fraction,\
+             states,actions,model_pairs,model_divergence_nats\n",
         );
         for run in runs {
             let [p1, p2, p5, p10] = run.counts();
             let [f1, f2, f5, f10] = run.fractions();
+            let clusters = &run.result.clusters;
+            let (pairs, nats) = run.result.model.map_or(Default::default(), |model| {
+                (
+                    model.pairs.to_string(),
+                    format!("{:.6}", model.divergence_nats),
+                )
+            });
             // Writing to a string cannot fail.
             let _ = writeln!(
                 text,
-                "{},{},{},{p1},{p2},{p5},{p10},{},{f1:.6},{f2:.6},{f5:.6},{f10:.6}",
-                run.arena, run.method, run.seed, run.result.reachable
+                "{},{},{},{},{p1},{p2},{p5},{p10},{},{f1:.6},{f2:.6},{f5:.6},{f10:.6},\
+                 {},{},{pairs},{nats}",
+                run.engine.name(),
+                run.arena,
+                run.method,
+                run.seed,
+                run.result.reachable,
+                clusters.sensor,
+                clusters.actuator
             );
         }
         text
@@ -129,6 +176,7 @@ fn read_run(run: &PlannedRun, directory: &Path) -> anyhow::Result<Finding> {
     Ok(Finding {
         arena: run.arena.clone(),
         method: run.method.clone(),
+        engine: run.engine,
         seed: run.spec.seed(),
         result,
         p1_by_epoch,
@@ -172,6 +220,7 @@ pub(super) mod testing {
         Finding {
             arena: arena.to_owned(),
             method: method.to_owned(),
+            engine: EngineKind::Kinematic,
             seed,
             result: RunResult {
                 metrics: None,
@@ -190,6 +239,7 @@ pub(super) mod testing {
                 steps: 1,
                 collisions: 0,
                 clusters: api::ClusterCounts::default(),
+                model: None,
                 bytes: 1,
                 memory: api::Memory::default(),
                 state_sha256: String::new(),
@@ -215,12 +265,15 @@ mod tests {
         ]);
         let csv = findings.csv();
         let lines: Vec<&str> = csv.lines().collect();
-        assert!(lines[0].starts_with("arena,method,seed,p1,"));
+        assert!(lines[0].starts_with("engine,arena,method,seed,p1,"));
         assert_eq!(
             lines[1],
-            "easy,im,1,8,4,2,1,4000,0.002000,0.001000,0.000500,0.000250"
+            "kinematic,easy,im,1,8,4,2,1,4000,0.002000,0.001000,0.000500,0.000250,0,0,,"
         );
-        assert!(lines[2].starts_with("maze,im,2,4000,") && lines[3].starts_with("maze,im,10,400,"));
+        assert!(
+            lines[2].starts_with("kinematic,maze,im,2,4000,")
+                && lines[3].starts_with("kinematic,maze,im,10,400,")
+        );
         let [p1, ..] = findings.summaries("maze", "im", Finding::counts).unwrap();
         assert_eq!((p1.mean, p1.median), (2_200.0, 2_200.0));
         assert!(

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use arenas::Arena;
 use sha2::{Digest, Sha256};
-use swarm::spec::{Method, RunSpec};
+use swarm::spec::{EngineKind, Method, RunSpec};
 
 /// A checked run spec with every default filled in. Cheap to clone: runs of a job that differ in
 /// their seed alone share everything else.
@@ -93,6 +93,11 @@ impl ResolvedRun {
     /// The method.
     pub fn method(&self) -> Method {
         self.common.run.controller.method
+    }
+
+    /// The physics.
+    pub fn engine(&self) -> EngineKind {
+        self.common.run.engine
     }
 
     /// Radius of the robot, which decides what it can reach.

@@ -59,6 +59,7 @@ fn finished() -> Finished {
         steps: 1_234,
         collisions: 5,
         clusters: api::ClusterCounts::default(),
+        model: None,
         bytes: 99,
         memory: api::Memory::default(),
         state_sha256: "00".repeat(32),

@@ -27,6 +27,7 @@ fn finished(place: u64, seed: u64, t90: Option<u64>, mean_coverage: f64) -> Fini
             steps: 100,
             collisions: 25,
             clusters: ClusterCounts::default(),
+            model: None,
             bytes: 0,
             memory: api::Memory::default(),
             state_sha256: String::new(),

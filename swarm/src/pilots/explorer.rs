@@ -8,7 +8,7 @@ use crate::learn::repository::Repository;
 use crate::memory::MemoryPlan;
 use crate::pilot::Pilot;
 use crate::random::{below, draw};
-use crate::spec::ControllerParameters;
+use crate::spec::{ControllerParameters, Ties};
 
 /// What followed an action in a state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -28,6 +28,7 @@ pub struct Decider {
     /// eta on a scale of 2^16.
     eta: u32,
     hold_steps: u32,
+    ties: Ties,
     scaling: Scaling,
     /// The last transition; its `next` is the present state until an action is chosen.
     last: Transition,
@@ -45,6 +46,7 @@ impl Decider {
             key,
             eta: (p.eta * 65_536.0).round() as u32,
             hold_steps: p.action_hold_steps,
+            ties: p.ties,
             scaling: Scaling::new(p.sensor_scale),
             last: Transition::default(),
             state: 0,
@@ -75,12 +77,29 @@ impl Decider {
         } else if eta_bits < self.eta {
             below(action_bits, repository.actions())
         } else {
-            repository.best_action(self.state)
+            self.best_action(repository, action_bits)
         };
         self.action = action;
         self.held_steps = self.hold_steps - 1;
         self.command = codebook.samples.draw(action, sample_bits);
         self.command
+    }
+
+    /// The action with the highest score (eq. 4.9), one of several by the rule for ties.
+    #[inline(always)]
+    fn best_action(&self, table: &Repository, bits: u32) -> u32 {
+        let state = self.state;
+        let first = table.best_action(state);
+        if self.ties == Ties::First {
+            return first;
+        }
+        let highest = table.score(state, first);
+        if self.ties == Ties::Keep && table.score(state, self.action) == highest {
+            return self.action;
+        }
+        let tied = || (first..table.actions()).filter(|j| table.score(state, *j) == highest);
+        let place = below(bits, tied().count() as u32);
+        tied().nth(place as usize).unwrap_or(first)
     }
 
     /// Where the last action led.
@@ -228,5 +247,58 @@ impl Pilot for Explorer {
         self.codebook.states.expect_search();
         self.repository
             .expect_record(self.decider.state, self.decider.action);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::{Purpose, Site, Stream, stream_key};
+
+    const ACTIONS: u32 = 9;
+
+    /// Actions of some steps in one state in which nothing changes, so that all scores are the same.
+    fn actions(ties: Ties) -> Vec<u32> {
+        let parameters = ControllerParameters {
+            ties,
+            lambda: 2,
+            eta: 0.0,
+            ..Default::default()
+        };
+        let key = stream_key(1, Site::Target, 0, Purpose::Action);
+        let vectors: Vec<[f32; 10]> = (0..400_u32)
+            .map(|n| {
+                let mut vector = [-1.0; 10];
+                (vector[8], vector[9]) = ((n % 3) as f32 - 1.0, (n / 3 % 3) as f32 - 1.0);
+                vector
+            })
+            .collect();
+        let codebook = Codebook::new(&parameters, &vectors, (1, ACTIONS), &mut Stream::new(2));
+        let mut explorer = Explorer::new(&parameters, key, codebook, 0);
+        for action in 0..ACTIONS {
+            for _ in 0..parameters.lambda {
+                explorer.record(Transition {
+                    state: 0,
+                    action,
+                    next: 0,
+                });
+            }
+        }
+        let act = |step| {
+            explorer.act(step, &F8::splat(0.0));
+            explorer.decider().action()
+        };
+        (0..200).map(act).collect()
+    }
+
+    #[test]
+    fn ties_are_settled_by_the_rule() {
+        assert!(actions(Ties::First).iter().all(|action| *action == 0));
+        let kept = actions(Ties::Keep);
+        assert!(kept.iter().all(|action| *action == kept[0]));
+        let random = actions(Ties::Random);
+        for action in 0..ACTIONS {
+            assert!(random.contains(&action), "{action} never taken");
+        }
     }
 }

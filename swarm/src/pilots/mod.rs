@@ -5,6 +5,7 @@ mod brownian;
 mod codebook;
 mod crawler;
 mod explorer;
+mod reference;
 mod replayer;
 mod team;
 
@@ -13,6 +14,7 @@ pub use brownian::Brownian;
 pub use codebook::Codebook;
 pub use crawler::{Crawler, Watch};
 pub use explorer::{Decider, Explorer, Transition};
+pub use reference::Reference;
 pub use replayer::Replayer;
 pub use team::Team;
 

@@ -6,6 +6,7 @@ use super::plan::StageKind;
 use super::types::RobotMemory;
 use crate::lanes::F8;
 use crate::learn::archive::Archive;
+use crate::learn::repository::Repository;
 use crate::memory::MemoryPlan;
 use crate::pilots::{
     Babbler, Brownian, Codebook, Crawler, Explorer, Replayer, Scaling, Team, Watch,
@@ -275,6 +276,15 @@ impl Learners {
             _ => None,
         };
         clusters.unwrap_or((0, 0))
+    }
+
+    /// What the first robot knows, if it explores by a table.
+    pub fn model(&self) -> Option<(&Codebook, &Repository)> {
+        match self {
+            Learners::Explorers(pilots) => pilots.first().map(|p| (p.codebook(), p.repository())),
+            Learners::Team(team) => Some((team.codebook(), team.repository())),
+            _ => None,
+        }
     }
 
     /// Robots.

@@ -2,6 +2,7 @@
 
 mod learners;
 mod metrics;
+mod model;
 mod plan;
 mod snapshot;
 #[cfg(test)]
@@ -442,6 +443,7 @@ impl Run {
                 .learners
                 .sensori_motor_clusters()
                 .unwrap_or(self.sensori_motor_clusters),
+            model: self.model_accuracy(),
             bytes: self.bytes(),
             memory_plan: self.memory.clone(),
             memory: self.memory(),

@@ -290,6 +290,25 @@ fn specs_that_cannot_run_are_refused_with_their_fields() {
     check(untrained, "/controller/train", "training arena");
 }
 
+#[test]
+fn model_accuracy_is_of_those_with_a_table_and_changes_nothing() {
+    let mut brownian = Run::new(spec(Method::Brownian)).unwrap();
+    brownian.advance(u64::MAX);
+    assert_eq!(brownian.outcome().unwrap().model, None);
+    let mut im = Run::new(spec(Method::Im)).unwrap();
+    im.advance(u64::MAX);
+    let before = im.snapshot();
+    let model = im.outcome().unwrap().model.unwrap();
+    assert_eq!(im.model_accuracy(), Some(model));
+    assert!(im.snapshot() == before);
+    let (states, actions) = im.learners.clusters();
+    assert!((1..=states * actions).contains(&model.pairs), "{model:?}");
+    assert!(
+        model.sum_nats.is_finite() && model.sum_nats > 0.0,
+        "{model:?}"
+    );
+}
+
 fn radio(range_m: Option<f64>, bytes_per_step: u32) -> Sharing {
     Sharing::Radio(RadioLink {
         range_m,

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Metrics;
+use crate::learn::accuracy::Divergence;
 use crate::memory::MemoryPlan;
 use crate::named_choice;
 use crate::spec::FieldError;
@@ -74,6 +75,9 @@ pub struct Outcome {
     pub actuator_clusters: u32,
     /// As above, of phase 1.
     pub sensori_motor_clusters: u32,
+    /// How far the first robot's transition table is from a reference of random actions; `None` where
+    /// it has none.
+    pub model: Option<Divergence>,
     /// Bytes that robots, learners and squares hold, exactly counted.
     pub bytes: u64,
     /// What each robot's learner could hold.

@@ -5,6 +5,7 @@ mod verdict;
 
 use serde::Serialize;
 
+use super::engines::{EnginePair, compare_engines};
 use super::plan::Settings;
 use super::results::Findings;
 
@@ -25,6 +26,8 @@ pub struct Claims {
     /// Tests that were corrected together.
     pub tests: usize,
     pub claims: Vec<Claim>,
+    /// The main comparison under both engines; in no family of tests.
+    pub engines: Vec<EnginePair>,
 }
 
 /// One claim and what came of it.
@@ -82,5 +85,6 @@ pub fn judge(settings: &Settings, findings: &Findings, radius_m: f64) -> anyhow:
         arenas: settings.arenas.clone(),
         tests,
         claims,
+        engines: compare_engines(settings, findings),
     })
 }

@@ -13,6 +13,7 @@ fn settings(arenas: &[&str]) -> Settings {
         epochs: 20,
         steps_per_epoch: 2_000,
         arenas: arenas.iter().map(|&name| name.to_owned()).collect(),
+        rapier_seeds: 0,
     }
 }
 

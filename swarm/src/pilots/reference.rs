@@ -1,0 +1,63 @@
+//! The reference of model accuracy (section 4.3.4): a robot that takes every action equally often and
+//! counts where each led, without forgetting.
+
+use super::{Codebook, Scaling};
+use crate::lanes::F8;
+use crate::learn::accuracy::TransitionCounts;
+use crate::pilot::Pilot;
+use crate::random::{below, draw};
+
+/// A robot with the states, actions and commands of a learner, but that chooses at random.
+pub struct Reference<'a> {
+    codebook: &'a Codebook,
+    scaling: Scaling,
+    key: u64,
+    counts: TransitionCounts,
+    state: u32,
+    action: u32,
+}
+
+impl<'a> Reference<'a> {
+    /// A robot that has counted nothing; `key` is that of its random stream.
+    pub fn new(codebook: &'a Codebook, scaling: Scaling, key: u64) -> Self {
+        Self {
+            codebook,
+            scaling,
+            key,
+            counts: TransitionCounts::new(codebook.states.len(), codebook.actions.len()),
+            state: 0,
+            action: 0,
+        }
+    }
+
+    /// Starts a trajectory from the sensors read at its beginning.
+    pub fn begin_trajectory(&mut self, raw: &F8) {
+        self.state = self.state_of(raw);
+    }
+
+    /// What it has counted.
+    pub fn counts(&self) -> &TransitionCounts {
+        &self.counts
+    }
+
+    #[inline(always)]
+    fn state_of(&self, raw: &F8) -> u32 {
+        self.codebook.states.nearest(&self.scaling.apply(raw)).0
+    }
+}
+
+impl Pilot for Reference<'_> {
+    #[inline(always)]
+    fn act(&mut self, step: u64, _raw: &F8) -> [f32; 2] {
+        let bits = draw(self.key, step);
+        self.action = below(bits as u32, self.codebook.actions.len());
+        self.codebook.samples.draw(self.action, (bits >> 32) as u32)
+    }
+
+    #[inline(always)]
+    fn learn(&mut self, raw: &F8) {
+        let next = self.state_of(raw);
+        self.counts.record(self.state, self.action, next);
+        self.state = next;
+    }
+}
