@@ -175,8 +175,7 @@ fn clustering_bytes(from: StageKind, plan: &MemoryPlan, spec: &RunSpec) -> u64 {
     let table =
         Repository::heap_bytes_for(plan.sensor_clusters, plan.actuator_clusters, plan.lambda);
     let taking_out = before + watched;
-    let clustering =
-        watched + explorer + watch + genomes + codebook + Codebook::workspace_bytes(plan);
+    let clustering = watched + explorer + watch + genomes + Codebook::workspace_bytes(plan);
     let making = watched + explorer + genomes + codebook + table;
     let taking_over = explorer + size_of::<Replayer>() as u64 + genomes + codebook + table;
     taking_out.max(clustering).max(making).max(taking_over)

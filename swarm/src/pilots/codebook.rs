@@ -47,8 +47,9 @@ impl Codebook {
     /// Most bytes that making one takes, itself included, the sample not.
     pub fn workspace_bytes(plan: &MemoryPlan) -> u64 {
         let states = kmeans::workspace_bytes::<8>(plan.sample, plan.sensor_clusters);
-        let actions = kmeans::workspace_bytes::<2>(plan.sample, plan.actuator_clusters);
-        states.max(actions) + Self::heap_bytes_for(plan)
+        let actions = Centres::<8>::heap_bytes_for(plan.sensor_clusters)
+            + kmeans::workspace_bytes::<2>(plan.sample, plan.actuator_clusters);
+        states.max(actions).max(Self::heap_bytes_for(plan))
     }
 
     /// Most bytes held besides the value itself.
