@@ -1,4 +1,4 @@
-# What there is to do: make run | test | lint | bench
+# What there is to do: make run | test | lint | bench | figures
 
 CARGO ?= cargo
 LISTEN ?= 127.0.0.1:8080
@@ -8,7 +8,7 @@ EVSWARM := $(TARGET)/release/evswarm
 CARGO_DENY := target/tools/bin/cargo-deny
 CARGO_DENY_VERSION := 0.20.2
 
-.PHONY: build run test lint deny bench
+.PHONY: build run test lint deny bench figures
 
 build:
 	$(CARGO) build --release --workspace --bins --examples
@@ -40,3 +40,8 @@ deny:
 
 bench:
 	$(CARGO) run --release -p loadtests -- $(if $(BASE),--base $(BASE)) $(ARGS)
+
+# Measures everything and puts the figures into docs/performance.md, with the picture.
+figures:
+	$(CARGO) run --release -p loadtests -- --full --document docs/performance.md \
+		--picture docs/pictures/scaling.svg $(ARGS)

@@ -345,7 +345,7 @@ pub fn all() -> Vec<Case> {
         let world = world(&peer_arena(1)?, 1, Placement::Start, Rapier)?;
         Ok(stepped(world, vec![Peer { key: 0 }]))
     }));
-    for robots in [1, 10, 100, 1_000, 10_000] {
+    for robots in [1, 10, 100, 1_000, 10_000, 100_000] {
         let mut rigid = case(
             format!("rapier/swarm/{robots}/brownian"),
             robots,

@@ -40,6 +40,7 @@ mod tests {
             median_ns,
             p90_ns: median_ns,
             bytes_per_robot: None,
+            peak_bytes: None,
             goal_us: None,
             stretch_us: None,
         }]

@@ -26,6 +26,12 @@ pub fn peak_bytes() -> Option<u64> {
     Some(line.split_whitespace().nth(1)?.parse::<u64>().ok()? * 1024)
 }
 
+/// Load average of the last minute (Linux).
+pub fn load_average() -> Option<String> {
+    let text = std::fs::read_to_string("/proc/loadavg").ok()?;
+    Some(text.split_whitespace().next()?.to_owned())
+}
+
 fn number_after(text: &str, label: &str) -> Option<u64> {
     let line = text.lines().find(|line| line.contains(label))?;
     line.rsplit(' ').next()?.replace(',', "").parse().ok()
@@ -47,11 +53,20 @@ fn child(case: &Case, steps: u64, under: &[&str]) -> Result<String> {
     let output = command
         .args(arguments)
         .output()
-        .context("valgrind has to be installed")?;
+        .context("starting the case (counting needs valgrind)")?;
     if !output.status.success() {
         bail!("{}: {}", case.name, String::from_utf8_lossy(&output.stderr));
     }
     Ok(String::from_utf8_lossy(&output.stderr).into_owned())
+}
+
+/// Peak resident memory of a process that sets the case up and takes a few steps, bytes.
+///
+/// # Errors
+/// When the case cannot be set up.
+pub fn peak(case: &Case) -> Result<u64> {
+    let text = child(case, 4, &[])?;
+    number_after(&text, "peak_bytes").context("no peak in the child's output")
 }
 
 /// Counts a case: the difference between two runs of different length, so that setting up does not

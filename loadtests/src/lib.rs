@@ -2,6 +2,7 @@
 
 pub mod cases;
 pub mod compare;
+pub mod document;
 pub mod instructions;
 pub mod measure;
 pub mod picture;

@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use clap::Parser;
 use loadtests::cases::{self, Case};
 use loadtests::measure::{Figure, measure};
-use loadtests::{compare, instructions, picture, table};
+use loadtests::{compare, document, instructions, picture, table};
 
 /// Benchmarks of the step loop: CPU nanoseconds a robot-step, on one thread.
 #[derive(Parser)]
@@ -36,6 +36,9 @@ struct Options {
     /// Also draws cost and memory against robots into this SVG file.
     #[arg(long)]
     picture: Option<PathBuf>,
+    /// Also puts the tables into this document, between its `figures` and `scaling` markers.
+    #[arg(long)]
+    document: Option<PathBuf>,
     /// Steps just this case, by `--steps`: for profilers.
     #[arg(long, requires = "steps")]
     case: Option<String>,
@@ -74,13 +77,28 @@ fn main() -> Result<()> {
     }
     let total = cases.len() * (options.rounds + 1);
     let mut done = 0;
-    let figures = measure(&cases, options.rounds, options.chunk_ms, |name| {
+    let mut figures = measure(&cases, options.rounds, options.chunk_ms, |name| {
         done += 1;
         eprint!("\r{done}/{total} {name:<40}");
     })?;
+    for (case, figure) in cases.iter().zip(&mut figures) {
+        if case.name.contains("/swarm/") {
+            figure.peak_bytes = Some(instructions::peak(case)?);
+        }
+    }
     eprintln!("\r{:<60}", "");
-    for line in table::lines(&figures) {
+    let (mut lines, scaling) = (table::lines(&figures), table::scaling(&figures));
+    lines.push(format!(
+        "{} rounds of {} ms; load average {}, this program included",
+        options.rounds,
+        options.chunk_ms,
+        instructions::load_average().unwrap_or_else(|| "unknown".into()),
+    ));
+    for line in lines.iter().chain([&String::new()]).chain(&scaling) {
         println!("{line}");
+    }
+    if let Some(path) = &options.document {
+        document::refresh(path, &[("figures", lines), ("scaling", scaling)])?;
     }
     if let Some(folder) = options.out.parent() {
         std::fs::create_dir_all(folder)?;

@@ -19,6 +19,8 @@ pub struct Figure {
     pub p90_ns: f64,
     /// Bytes held a robot, index of walls excluded.
     pub bytes_per_robot: Option<u64>,
+    /// Peak resident memory of a process that does nothing else, where measured, bytes.
+    pub peak_bytes: Option<u64>,
     /// Goal, microseconds.
     pub goal_us: Option<f64>,
     /// Stretch goal, microseconds.
@@ -78,6 +80,7 @@ pub fn measure(
                 median_ns: quantile(&ns, 0.5),
                 p90_ns: quantile(&ns, 0.9),
                 bytes_per_robot: setup.bytes_per_robot,
+                peak_bytes: None,
                 goal_us: case.goal_us,
                 stretch_us: case.stretch_us,
             }

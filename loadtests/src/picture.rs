@@ -6,19 +6,15 @@ use anyhow::{Result, anyhow};
 use plotters::prelude::*;
 
 use crate::measure::Figure;
+use crate::table::{SCALING, robots_of};
 
-/// (robots, figure) of a series of cases named `prefix/ROBOTS/suffix`.
-fn series<'a>(figures: &'a [Figure], prefix: &str, suffix: &str) -> Vec<(f64, &'a Figure)> {
-    figures
-        .iter()
-        .filter_map(|figure| {
-            let rest = figure.name.strip_prefix(prefix)?.strip_suffix(suffix)?;
-            Some((rest.parse().ok()?, figure))
-        })
-        .collect()
-}
+const COLOURS: [RGBColor; 3] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+];
 
-/// Draws nanoseconds and bytes a robot over 1 to 100,000 robots as an SVG file.
+/// Draws nanoseconds a robot-step and peak memory over 1 to 100,000 robots as an SVG file.
 ///
 /// # Errors
 /// When the file cannot be written.
@@ -27,33 +23,13 @@ pub fn scaling(figures: &[Figure], path: &Path) -> Result<()> {
     let root = SVGBackend::new(path, (900, 380)).into_drawing_area();
     root.fill(&WHITE).map_err(|e| failed(&e))?;
     let (left, right) = root.split_horizontally(450);
-    let kinds = [
-        (
-            "kinematic/swarm/",
-            "/brownian",
-            "kinematic, brownian",
-            RGBColor(0, 114, 178),
-        ),
-        (
-            "kinematic/swarm/",
-            "/im",
-            "kinematic, im",
-            RGBColor(213, 94, 0),
-        ),
-        (
-            "rapier/swarm/",
-            "/brownian",
-            "rapier, brownian",
-            RGBColor(0, 158, 115),
-        ),
-    ];
     type Value = fn(&Figure) -> f64;
     let panels: [(_, &str, std::ops::Range<f64>, Value); 2] = [
         (&left, "CPU ns a robot-step (median)", 50.0..10_000.0, |f| {
             f.median_ns
         }),
-        (&right, "bytes a robot", 100.0..1_000_000.0, |f| {
-            f.bytes_per_robot.unwrap_or(0) as f64
+        (&right, "peak resident memory, MB", 1.0..10_000.0, |f| {
+            f.peak_bytes.map_or(f64::NAN, |bytes| bytes as f64 / 1e6)
         }),
     ];
     for (area, title, range, value) in panels {
@@ -70,10 +46,11 @@ pub fn scaling(figures: &[Figure], path: &Path) -> Result<()> {
             .light_line_style(WHITE)
             .draw()
             .map_err(|e| failed(&e))?;
-        for (prefix, suffix, label, colour) in kinds {
-            let points: Vec<_> = series(figures, prefix, suffix)
+        for ((prefix, suffix, label), colour) in SCALING.into_iter().zip(COLOURS) {
+            let points: Vec<_> = figures
                 .iter()
-                .map(|(n, f)| (*n, value(f)))
+                .filter_map(|f| Some((robots_of(&f.name, prefix, suffix)? as f64, value(f))))
+                .filter(|(_, value)| value.is_finite())
                 .collect();
             let line = LineSeries::new(points.clone(), colour.stroke_width(2));
             chart
@@ -90,7 +67,7 @@ pub fn scaling(figures: &[Figure], path: &Path) -> Result<()> {
             .configure_series_labels()
             .border_style(BLACK)
             .background_style(WHITE)
-            .position(SeriesLabelPosition::UpperRight)
+            .position(SeriesLabelPosition::UpperLeft)
             .draw()
             .map_err(|e| failed(&e))?;
     }

@@ -52,3 +52,41 @@ pub fn lines(figures: &[Figure]) -> Vec<String> {
     }
     lines
 }
+
+/// Kinds of cases that are measured at several numbers of robots: prefix, suffix, heading.
+pub const SCALING: [(&str, &str, &str); 3] = [
+    ("kinematic/swarm/", "/brownian", "kinematic, brownian"),
+    ("kinematic/swarm/", "/im", "kinematic, im"),
+    ("rapier/swarm/", "/brownian", "rapier, brownian"),
+];
+
+/// Robots of a case of a kind, from its name `prefix/ROBOTS/suffix`.
+pub fn robots_of(name: &str, prefix: &str, suffix: &str) -> Option<u64> {
+    let number = name.strip_prefix(prefix)?.strip_suffix(suffix)?;
+    number.parse().ok()
+}
+
+/// Cost and peak memory against robots: a line a number of robots, a column a kind.
+pub fn scaling(figures: &[Figure]) -> Vec<String> {
+    let mut header = format!("{:>8}", "robots");
+    for (.., heading) in SCALING {
+        header += &format!("  {:>24}", format!("{heading}: ns, MB"));
+    }
+    let mut lines = vec![header];
+    for robots in [1, 10, 100, 1_000, 10_000, 100_000] {
+        let mut line = format!("{robots:>8}");
+        for (prefix, suffix, _) in SCALING {
+            let of_kind =
+                |f: &&Figure| robots_of(&f.name, prefix, suffix).is_some_and(|n| n == robots);
+            let cell = figures.iter().find(of_kind).map_or_else(String::new, |f| {
+                let peak = f
+                    .peak_bytes
+                    .map_or_else(|| "-".into(), |bytes| format!("{:.1}", bytes as f64 / 1e6));
+                format!("{:.0}, {peak:>6}", f.median_ns)
+            });
+            line += &format!("  {cell:>24}");
+        }
+        lines.push(line);
+    }
+    lines
+}
