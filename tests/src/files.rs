@@ -9,10 +9,12 @@ use api::RunResult;
 use crate::http::Client;
 
 /// The files of a run that only its spec decides: all but `timing.json`.
-pub const SAME: [&str; 5] = [
+pub const SAME: [&str; 7] = [
     "spec.json",
     "result.json",
     "curve.csv",
+    "metrics.csv",
+    "robots.csv",
     "visits.npy",
     "coverage.png",
 ];

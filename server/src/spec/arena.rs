@@ -18,6 +18,8 @@ const FIELDS: [&str; 7] = [
 const TILED_FIELDS: [&str; 6] = ["from", "tile", "scale", "doorway_m", "squares", "name"];
 /// Deepest that such objects may hold each other.
 const MAX_DEPTH: u32 = 4;
+/// Most walls and starts of all arenas of a job together: 128 MB.
+const MAX_PARTS: usize = 4_000_000;
 /// Fields of a start pose.
 const POSE_FIELDS: [&str; 3] = ["x_m", "y_m", "heading_rad"];
 
@@ -65,6 +67,8 @@ pub struct Arenas<'a> {
     source: &'a dyn ArenaSource,
     /// By the JSON text of the value; errors have pointers relative to it.
     read: BTreeMap<String, Result<Found, Vec<FieldError>>>,
+    /// Walls and starts of all of them.
+    parts: usize,
 }
 
 impl<'a> Arenas<'a> {
@@ -73,15 +77,21 @@ impl<'a> Arenas<'a> {
         Self {
             source,
             read: BTreeMap::new(),
+            parts: 0,
         }
     }
 
     /// The arena that `value` names or holds.
     pub fn read(&mut self, value: &Value, pointer: &str, errors: &mut Errors) -> Option<Found> {
-        let outcome = self
-            .read
-            .entry(value.to_string())
-            .or_insert_with(|| find(value, self.source, MAX_DEPTH));
+        let (source, parts) = (self.source, &mut self.parts);
+        let outcome = self.read.entry(value.to_string()).or_insert_with(|| {
+            if *parts > MAX_PARTS {
+                return Err(vec![too_many_parts()]);
+            }
+            let found = find(value, source, MAX_DEPTH)?;
+            *parts += found.arena.walls().len() + found.arena.starts().len();
+            Ok(found)
+        });
         match outcome {
             Ok(found) => Some(found.clone()),
             Err(wrong) => {
@@ -93,6 +103,14 @@ impl<'a> Arenas<'a> {
             }
         }
     }
+}
+
+fn too_many_parts() -> FieldError {
+    FieldError::new(
+        "",
+        "the arenas of the job are too many or too large",
+        format!("at most {MAX_PARTS} walls and starts in all, each arena counted once"),
+    )
 }
 
 fn find(value: &Value, source: &dyn ArenaSource, depth: u32) -> Result<Found, Vec<FieldError>> {

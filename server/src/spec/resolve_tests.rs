@@ -425,5 +425,5 @@ fn arenas_are_made_of_copies_of_others() {
     for _ in 0..9 {
         deep = json!({ "from": deep });
     }
-    check(deep, "/arena/from/from/from/from", "at most 4");
+    check(deep, "/arena/from/from/from/from/from", "at most 4");
 }

@@ -26,6 +26,10 @@ fn wrong_jobs_are_refused() {
             json!({ "matrix": { "epochs": [3, 3] } }),
             "/matrix/epochs/1",
         ),
+        (
+            json!({ "matrix": { "robots+epochs": [[1, 2], [3]] } }),
+            "/matrix/robots+epochs/1",
+        ),
         (json!({ "matrix": { "seed": [1, 2] } }), "/matrix/seed"),
         (json!({ "seeds": [1, 2, 1] }), "/seeds/2"),
         (json!({ "seeds": [] }), "/seeds"),

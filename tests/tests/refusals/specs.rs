@@ -25,6 +25,7 @@ pub fn wrong_specs() -> Vec<Wrong> {
     let later = "recording (not built yet)";
     let budget = "a memory budget too small for any plan (the smallest that works is told)";
     let sharing = "sharing what a method does not have, or by a radio that cannot be";
+    let tiles = "more tiles of an arena than fit, a wrong scale or doorway";
     let room = |wall: Value, x_m: f64| {
         json!({
             "name": "room", "width_m": 0.6, "height_m": 0.6, "walls_m": [wall],
@@ -199,6 +200,20 @@ pub fn wrong_specs() -> Vec<Wrong> {
             room(json!([0.1, 0.1, 0.1]), 0.3),
             "/arena/walls_m/0",
             "",
+        ),
+        (
+            tiles,
+            "/arena",
+            json!({ "from": "easy", "tile": [11, 1] }),
+            "/arena/tile/0",
+            "11 columns",
+        ),
+        (
+            tiles,
+            "/arena",
+            json!({ "from": "easy", "tile": [2, 1], "doorway_m": 2 }),
+            "/arena/doorway_m",
+            "out of range",
         ),
         (
             "more robots than the arena has start poses",
