@@ -4,6 +4,8 @@
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
+use crate::objects::Movable;
+
 /// A wall: a segment of no thickness.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {
@@ -69,6 +71,7 @@ pub struct Arena {
     walls: Vec<Segment>,
     starts: Vec<Pose>,
     squares: [u32; 2],
+    objects: Vec<Movable>,
 }
 
 impl Arena {
@@ -80,6 +83,7 @@ impl Arena {
         mut walls: Vec<Segment>,
         mut starts: Vec<Pose>,
         squares: [u32; 2],
+        objects: Vec<Movable>,
     ) -> Self {
         for wall in &mut walls {
             for point in [&mut wall.a, &mut wall.b] {
@@ -99,6 +103,7 @@ impl Arena {
             walls,
             starts,
             squares,
+            objects,
         }
     }
 
@@ -143,6 +148,11 @@ impl Arena {
         &self.starts
     }
 
+    /// Movable objects, where they begin.
+    pub fn objects(&self) -> &[Movable] {
+        &self.objects
+    }
+
     /// Columns and rows of the grid of squares over the whole rectangle.
     pub fn squares(&self) -> [u32; 2] {
         self.squares
@@ -154,7 +164,8 @@ impl Arena {
     ///
     /// Layout, little endian: the tag `evswarm-arena-1` and the squares along each side (u32) or,
     /// where they differ, `evswarm-arena-2` and columns and rows (u32), then width and height (f64), the number of walls (u64) and x1, y1, x2, y2 of each (f64), the number of starts
-    /// (u64) and x, y, heading of each (f64).
+    /// (u64) and x, y, heading of each (f64), then of each object x, y, heading, sides (0 and the
+    /// diameter for a disc), mass and friction (f64).
     pub fn content_key(&self) -> Vec<u8> {
         let mut key = Vec::with_capacity(64 + 32 * self.walls.len() + 24 * self.starts.len());
         let put = |key: &mut Vec<u8>, values: &[f64]| {
@@ -178,6 +189,9 @@ impl Arena {
         key.extend_from_slice(&(self.starts.len() as u64).to_le_bytes());
         for start in &self.starts {
             put(&mut key, &[start.x_m, start.y_m, start.heading_rad]);
+        }
+        for object in &self.objects {
+            put(&mut key, &object.figures());
         }
         key
     }

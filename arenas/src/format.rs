@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::arena::{Arena, Pose, Segment};
 use crate::error::{ArenaError, json_pointer};
 use crate::generate::{GenerateFormat, Generated};
+use crate::objects::{self, Movable};
 use crate::validate;
 
 /// Squares along each side if the arena does not say.
@@ -83,6 +84,9 @@ pub struct ArenaFormat {
     /// Start poses, the first for the first robot.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub starts: Option<Vec<Pose>>,
+    /// Boxes and discs that robots can push.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub objects: Vec<Movable>,
 }
 
 impl ArenaFormat {
@@ -155,7 +159,18 @@ impl ArenaFormat {
                 self.name.unwrap_or_default(),
             ),
         };
-        Ok(Arena::from_checked(name, size_m, walls, starts, squares))
+        objects::check(&self.objects, size_m, &walls, &mut errors);
+        if !errors.is_empty() {
+            return Err(errors);
+        }
+        Ok(Arena::from_checked(
+            name,
+            size_m,
+            walls,
+            starts,
+            squares,
+            self.objects,
+        ))
     }
 }
 
@@ -189,6 +204,7 @@ impl Arena {
             ),
             generate: None,
             starts: Some(self.starts().to_vec()),
+            objects: self.objects().to_vec(),
         }
     }
 }
@@ -219,7 +235,7 @@ fn not_the_format(pointer: String, error: &serde_json::Error) -> ArenaError {
     ArenaError::new(
         pointer,
         error.to_string(),
-        "an object with name, width_m, height_m, squares, walls_m or generate, starts",
+        "an object with name, width_m, height_m, squares, walls_m or generate, starts, objects",
     )
 }
 

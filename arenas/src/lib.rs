@@ -38,6 +38,7 @@ mod error;
 mod format;
 mod generate;
 pub mod index;
+mod objects;
 mod reachable;
 mod squares;
 mod starts;
@@ -50,6 +51,9 @@ pub use builtin::{builtin, builtin_names};
 pub use error::ArenaError;
 pub use format::{ArenaFormat, DEFAULT_SQUARES, SquaresFormat};
 pub use generate::{GenerateFormat, GeneratorKind, ObstacleShape, Parameter};
+pub use objects::{
+    MAX_OBJECTS, Movable, OBJECT_FRICTION_RANGE, OBJECT_MASS_RANGE_KG, OBJECT_SIZE_RANGE_M,
+};
 pub use reachable::{Reachable, reachable};
 pub use squares::Squares;
 pub use svg::{SvgOptions, render_svg};

@@ -55,6 +55,20 @@ impl Arena {
                 format!("at least the body radius, {body_radius_m} m"),
             ));
         }
+        for (index, position) in positions.iter().enumerate() {
+            let near = self.objects().iter().position(|object| {
+                let reach_m = object.reach_m() + needed_m;
+                (object.centre() - position).norm_squared() < reach_m * reach_m
+                    && object.distance_m(*position) < needed_m
+            });
+            if let Some(object) = near {
+                errors.push(ArenaError::new(
+                    format!("/starts/{index}"),
+                    format!("the start is too near to object {object}"),
+                    format!("at least the body radius, {body_radius_m} m"),
+                ));
+            }
+        }
         errors
     }
 }

@@ -29,6 +29,8 @@ const INK: &str = "#1a1a1a";
 const QUIET: &str = "#5f6670";
 const BODY_FILL: &str = "#dbe7f6";
 const BODY_LINE: &str = "#2a6fbb";
+const OBJECT_FILL: &str = "#f3dfc1";
+const OBJECT_LINE: &str = "#a8691c";
 
 /// A complete SVG document, white background, y up as in the arena.
 pub fn render_svg(arena: &Arena, options: &SvgOptions) -> String {
@@ -87,6 +89,7 @@ pub fn render_svg(arena: &Arena, options: &SvgOptions) -> String {
     scale_bar(&mut svg, arena, &view, text_px, line_px);
     push(&mut svg, format_args!("</g>"));
     starts(&mut svg, arena, &view, options.body_radius_m, line_px);
+    objects(&mut svg, arena, &view, line_px);
     push(
         &mut svg,
         format_args!(
@@ -135,6 +138,39 @@ fn segments(walls: &[Segment], view: &View) -> String {
         let _ = write!(path, "M{x1} {y1}L{x2} {y2}");
     }
     path
+}
+
+/// Movable objects, where they begin.
+fn objects(svg: &mut String, arena: &Arena, view: &View, line_px: f64) {
+    let mut outlines = String::new();
+    for object in arena.objects() {
+        let Some(corners) = object.corners() else {
+            let [x, y] = view.px(object.centre());
+            let radius_px = round_px(object.reach_m() * view.px_per_m);
+            // Writing to a string cannot fail.
+            let _ = write!(
+                outlines,
+                "M{} {y}a{radius_px} {radius_px} 0 1 0 {d} 0a{radius_px} {radius_px} 0 1 0 -{d} 0z",
+                round_px(x - radius_px),
+                d = round_px(2.0 * radius_px),
+            );
+            continue;
+        };
+        for (place, corner) in corners.iter().enumerate() {
+            let [x, y] = view.px(*corner);
+            let _ = write!(outlines, "{}{x} {y}", if place == 0 { 'M' } else { 'L' });
+        }
+        outlines.push('z');
+    }
+    if !outlines.is_empty() {
+        push(
+            svg,
+            format_args!(
+                r#"<path d="{outlines}" fill="{OBJECT_FILL}" stroke="{OBJECT_LINE}" stroke-width="{}"/>"#,
+                round_px(line_px),
+            ),
+        );
+    }
 }
 
 /// All bodies in one path, all arrows in another: small also with thousands of starts.

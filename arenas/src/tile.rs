@@ -4,6 +4,7 @@ use nalgebra::Point2;
 
 use crate::arena::{Arena, Pose, Segment};
 use crate::error::ArenaError;
+use crate::objects::{self, MAX_OBJECTS, Movable};
 use crate::validate::{
     self, MAX_STARTS, MAX_WALLS, MIN_WALL_LENGTH_M, SIDE_RANGE_M, SQUARES_RANGE,
 };
@@ -11,7 +12,7 @@ use crate::validate::{
 /// Range of [`Tiling::scale`].
 const SCALE_RANGE: [f64; 2] = [0.01, 100.0];
 
-/// How an arena is repeated.
+/// How an arena is repeated. Movable objects go along; their size stays, as that of robots does.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tiling {
     /// Tiles in a row and in a column.
@@ -123,7 +124,21 @@ impl Arena {
             format!("{tile}-{columns}x{rows}")
         });
         let squares = [squares[0] * columns, squares[1] * rows];
-        Ok(Arena::from_checked(name, whole_m, walls, starts, squares))
+        let objects: Vec<Movable> = corners
+            .iter()
+            .flat_map(|&corner| {
+                let object = move |o: &Movable| o.moved_to(moved(o.centre(), corner));
+                self.objects().iter().map(object)
+            })
+            .take(MAX_OBJECTS + 1)
+            .collect();
+        objects::check(&objects, whole_m, &walls, &mut errors);
+        if !errors.is_empty() {
+            return Err(errors);
+        }
+        Ok(Arena::from_checked(
+            name, whole_m, walls, starts, squares, objects,
+        ))
     }
 
     /// Whether so many tiles of this size stay inside the limits of an arena.

@@ -1,7 +1,7 @@
 //! Start poses: from the arena, on a grid around its first start, or at random, never overlapping.
 
 use arenas::index::WallIndex;
-use arenas::{Arena, Pose};
+use arenas::{Arena, Movable, Pose};
 
 use crate::random::{Purpose, Site, Stream, stream_key};
 use crate::robot::RobotModel;
@@ -124,12 +124,15 @@ fn overlapping(poses: &[Pose], radius_m: f64) -> Option<(usize, usize)> {
     first
 }
 
-fn is_free(index: &WallIndex, x_m: f64, y_m: f64, room_m: f64) -> bool {
+fn is_free(arena: &Arena, index: &WallIndex, (x_m, y_m): (f64, f64), room_m: f64) -> bool {
     let (x, y) = (x_m as f32, y_m as f32);
-    index
-        .touchable(x, y)
-        .iter()
-        .all(|&number| index.wall(number).nearest(x, y).2 >= (room_m * room_m) as f32)
+    let place = nalgebra::Point2::new(x_m, y_m);
+    let clear = |object: &Movable| object.distance_m(place) >= room_m;
+    arena.objects().iter().all(clear)
+        && index
+            .touchable(x, y)
+            .iter()
+            .all(|&number| index.wall(number).nearest(x, y).2 >= (room_m * room_m) as f32)
 }
 
 /// Grid points around the first start that the body fits on, ring by ring.
@@ -159,7 +162,7 @@ fn grid(arena: &Arena, model: &RobotModel, index: &WallIndex, wanted: usize) -> 
                     && y > radius
                     && x < arena.width_m() - radius
                     && y < arena.height_m() - radius;
-                if inside && (ring == 0 || is_free(index, x, y, radius + ROOM_M)) {
+                if inside && (ring == 0 || is_free(arena, index, (x, y), radius + ROOM_M)) {
                     poses.push(start_pose(x, y, heading_rad));
                     if poses.len() == wanted {
                         return poses;
@@ -200,7 +203,7 @@ fn random(
                 && x < width - radius - ROOM_M
                 && y < height - radius - ROOM_M;
             let clear = inside
-                && is_free(index, x, y, radius + ROOM_M)
+                && is_free(arena, index, (x, y), radius + ROOM_M)
                 && (row.saturating_sub(1)..=(row + 1).min(rows - 1)).all(|r| {
                     (column.saturating_sub(1)..=(column + 1).min(columns - 1)).all(|c| {
                         cells[r * columns + c].iter().all(|&(ox, oy)| {

@@ -121,30 +121,32 @@ impl Optics {
     #[inline(always)]
     pub fn to_walls(&self, rays: &Rays, index: &WallIndex, x_m: f32, y_m: f32) -> F8 {
         let mut best = F8::splat(self.range_m);
-        let zero = F8::splat(0.0);
         for &number in index.visible(x_m, y_m) {
             let wall = index.wall(number);
-            let (ex, ey) = (F8::splat(wall.ex_m), F8::splat(wall.ey_m));
-            let wx = F8::splat(wall.px_m) - rays.x_m;
-            let wy = F8::splat(wall.py_m) - rays.y_m;
-            // origin + t d = p + u e; parallel rays give infinities or NaN, which compare false.
-            let inverse = F8::splat(1.0) / (rays.dx * ey - rays.dy * ex);
-            let t = (wx * ey - wy * ex) * inverse;
-            let u = (wx * rays.dy - wy * rays.dx) * inverse;
-            let along = F8::splat(-JOINT).le(u).and(u.le(F8::splat(1.0 + JOINT)));
-            let hit = zero.le(t).and(t.lt(best)).and(along);
-            best = hit.select(t, best);
+            best = to_line(rays, [wall.px_m, wall.py_m], [wall.ex_m, wall.ey_m], best);
         }
         best
+    }
+
+    /// Shortens `best` by a segment between two points.
+    #[inline(always)]
+    pub fn to_segment(&self, rays: &Rays, a: [f32; 2], b: [f32; 2], best: F8) -> F8 {
+        to_line(rays, a, [b[0] - a[0], b[1] - a[1]], best)
     }
 
     /// Shortens `best` by another robot's body centred at (x, y).
     #[inline(always)]
     pub fn to_robot(&self, rays: &Rays, x_m: f32, y_m: f32, best: F8) -> F8 {
+        self.to_disc(rays, (x_m, y_m), self.body_radius_m, best)
+    }
+
+    /// Shortens `best` by a disc centred at (x, y).
+    #[inline(always)]
+    pub fn to_disc(&self, rays: &Rays, (x_m, y_m): (f32, f32), radius_m: f32, best: F8) -> F8 {
         let (rx, ry) = (F8::splat(x_m) - rays.x_m, F8::splat(y_m) - rays.y_m);
         let along = rx * rays.dx + ry * rays.dy;
         let across = rx * rays.dy - ry * rays.dx;
-        let r2 = F8::splat(self.body_radius_m * self.body_radius_m);
+        let r2 = F8::splat(radius_m * radius_m);
         let zero = F8::splat(0.0);
         let half = (r2 - across * across).max(zero).sqrt();
         // A ray that starts inside the other body sees it at distance 0.
@@ -176,4 +178,19 @@ impl Optics {
         let raw = mean * (splat(1.0) + relative * normals(noise_word));
         raw.max(splat(0.0)).min(splat(RAW_MAX))
     }
+}
+
+/// Shortens `best` by the segment from `p` to `p + e`, metres.
+#[inline(always)]
+fn to_line(rays: &Rays, p: [f32; 2], e: [f32; 2], best: F8) -> F8 {
+    let (ex, ey) = (F8::splat(e[0]), F8::splat(e[1]));
+    let wx = F8::splat(p[0]) - rays.x_m;
+    let wy = F8::splat(p[1]) - rays.y_m;
+    // origin + t d = p + u e; parallel rays give infinities or NaN, which compare false.
+    let inverse = F8::splat(1.0) / (rays.dx * ey - rays.dy * ex);
+    let t = (wx * ey - wy * ex) * inverse;
+    let u = (wx * rays.dy - wy * rays.dx) * inverse;
+    let along = F8::splat(-JOINT).le(u).and(u.le(F8::splat(1.0 + JOINT)));
+    let hit = F8::splat(0.0).le(t).and(t.lt(best)).and(along);
+    hit.select(t, best)
 }

@@ -6,7 +6,7 @@ use crate::memory::MemoryPlan;
 use crate::placement::enough_starts;
 use crate::run::{MAX_EPOCHS, MAX_ROBOTS, MAX_STEPS_PER_EPOCH};
 use crate::sharing::{LEAST_BYTES_PER_STEP, MOST_BYTES_PER_STEP, Sharing};
-use crate::spec::{FieldError, Method, Placement, RunSpec};
+use crate::spec::{EngineKind, FieldError, Method, Placement, RunSpec};
 
 fn error(pointer: &str, message: impl Into<String>, allowed: impl Into<String>) -> FieldError {
     FieldError {
@@ -153,6 +153,17 @@ impl RunSpec {
                     allowed: e.allowed,
                 }),
         );
+        if !arena.objects().is_empty() && self.engine == EngineKind::Kinematic {
+            errors.push(error(
+                "/engine",
+                format!(
+                    "the kinematic engine cannot move the {} objects of the arena {}",
+                    arena.objects().len(),
+                    arena.name()
+                ),
+                "rapier, or an arena without objects",
+            ));
+        }
         if self.placement == Placement::Start
             && let Err(error) = enough_starts(arena, self.robots)
             && !errors.contains(&error)

@@ -5,9 +5,10 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::sync::Arc;
 
+use arenas::{ArenaFormat, SquaresFormat};
 use swarm::memory::{E_PUCK_BYTES, E_PUCK2_BYTES, MemoryPlan};
 use swarm::robot::RobotModel;
-use swarm::run::Run;
+use swarm::run::{Phase, Run};
 use swarm::sharing::{DEFAULT_BYTES_PER_STEP, RadioLink, Sharing};
 use swarm::spec::{
     ControllerParameters, ControllerSpec, EngineKind, Episodes, Method, Placement, RunSpec,
@@ -48,7 +49,12 @@ static ALLOCATOR: Counting = Counting;
 
 /// All phases in one arena, so that a run holds one world whatever its method.
 fn spec(method: Method, robots: u32, memory_budget_bytes: Option<u64>) -> RunSpec {
-    let arena = Arc::new(arenas::builtin("easy").unwrap());
+    // Few squares, so that what is counted a square does not hide what learners hold.
+    let format = ArenaFormat {
+        squares: Some(SquaresFormat::Side(2)),
+        ..arenas::builtin("easy").unwrap().to_format()
+    };
+    let arena = Arc::new(format.build().unwrap());
     RunSpec {
         seed: 3,
         arena: Arc::clone(&arena),
@@ -72,13 +78,20 @@ fn spec(method: Method, robots: u32, memory_budget_bytes: Option<u64>) -> RunSpe
     }
 }
 
-/// A finished run, the bytes held for it, and the most held since it was set up.
-fn finished(spec: RunSpec) -> (Run, i64, i64) {
+/// A finished run, the bytes held for it, those held for it when it was set up, and the most from
+/// then until exploration began, when rows of metrics come in.
+fn finished(spec: RunSpec) -> (Run, i64, i64, i64) {
     let before = HELD.get();
     let mut run = Run::new(spec).unwrap();
+    run.reachable();
+    let at_first = HELD.get() - before;
     MOST.set(HELD.get());
+    while !matches!(run.progress().phase, Phase::Exploration | Phase::Done) {
+        run.advance(1);
+    }
+    let most = MOST.get() - before;
     run.advance(u64::MAX);
-    (run, HELD.get() - before, MOST.get() - before)
+    (run, HELD.get() - before, at_first, most)
 }
 
 fn sharings() -> [Sharing; 3] {
@@ -97,11 +110,11 @@ fn bytes_are_those_that_the_allocator_gave() {
     let robots = 8;
     // Whatever is made once in a process is made here.
     finished(spec(Method::EvIterC, robots, None));
-    let (brownian, without, _) = finished(spec(Method::Brownian, robots, None));
+    let (brownian, without, _, _) = finished(spec(Method::Brownian, robots, None));
     let brownians: u64 = brownian.memory().iter().map(|robot| robot.bytes).sum();
     for &method in Method::ALL {
         for budget in [None, Some(E_PUCK_BYTES), Some(E_PUCK2_BYTES)] {
-            let (run, held, _) = finished(spec(method, robots, budget));
+            let (run, held, _, _) = finished(spec(method, robots, budget));
             let counted: u64 = run.memory().iter().map(|robot| robot.bytes).sum();
             let differs = (held - without) - (counted as i64 - brownians as i64);
             assert!(
@@ -116,7 +129,7 @@ fn bytes_are_those_that_the_allocator_gave() {
 #[test]
 fn no_robot_ever_holds_more_than_its_budget() {
     finished(spec(Method::EvIterC, 1, None));
-    let (_, without, _) = finished(spec(Method::Brownian, 1, None));
+    let (_, _, without, _) = finished(spec(Method::Brownian, 1, None));
     for &method in Method::ALL {
         for sharing in sharings() {
             for budget in [E_PUCK_BYTES, E_PUCK2_BYTES] {
@@ -128,7 +141,7 @@ fn no_robot_ever_holds_more_than_its_budget() {
                     continue;
                 }
                 let planned = MemoryPlan::of(&spec).unwrap().bytes;
-                let (run, _, most) = finished(spec);
+                let (run, _, _, most) = finished(spec);
                 // Who hears whom is the arena's to know.
                 let medium = match sharing {
                     Sharing::Radio(_) => 128,

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::robot::RobotModel;
 use crate::spec::EngineKind;
-use crate::world::{Body, StartPose};
+use crate::world::{Body, ObjectPose, StartPose};
 use rapier::RapierEngine;
 
 /// The engine of one world, with whatever state it keeps between steps.
@@ -65,6 +65,11 @@ impl Motor {
 }
 
 impl Rigid {
+    /// Where the movable objects are.
+    pub fn objects(&self) -> impl ExactSizeIterator<Item = ObjectPose> + '_ {
+        self.engine.objects()
+    }
+
     /// Moves bodies from `from_m` towards where they want to be.
     pub fn step(&mut self, bodies: &mut [Body]) {
         let c = &mut self.columns;

@@ -3,11 +3,16 @@
 //! Wheels and headings are integrated elsewhere; here rotation is locked and each step turns the
 //! displacement that a robot wants into a velocity. Settings were tuned for 64 ms steps.
 
+mod objects;
+
 use arenas::{Arena, Segment};
 use rapier2d::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use objects::Objects;
+
 use crate::robot::RobotModel;
+use crate::world::ObjectPose;
 
 /// Substeps of the solver in one step; with fewer, discs sink into wedges.
 const SOLVER_ITERATIONS: usize = 4;
@@ -114,6 +119,7 @@ pub struct RapierEngine {
     world: PhysicsWorld,
     /// The body of each robot, by the robot's number.
     robots: Vec<RigidBodyHandle>,
+    objects: Objects,
     #[serde(skip)]
     scratch: Scratch,
 }
@@ -141,13 +147,20 @@ impl RapierEngine {
                 .collect(),
             world: PhysicsWorld::new(),
             robots: Vec::new(),
+            objects: Objects::new(arena),
             scratch: Scratch::default(),
         };
         engine.place(x_m, y_m);
         engine
     }
 
-    /// Puts one robot at each (x, y), metres, in place of those that were there.
+    /// Where the movable objects are, in the order of the arena's.
+    pub fn objects(&self) -> impl ExactSizeIterator<Item = ObjectPose> + '_ {
+        self.objects.poses(&self.world)
+    }
+
+    /// Puts one robot at each (x, y), metres, in place of those that were there, and movable
+    /// objects where they begin.
     ///
     /// All bodies are made anew, so that nothing of the past is left: the same places have the same
     /// future, bit for bit.
@@ -170,6 +183,7 @@ impl RapierEngine {
             let (robot, _) = world.insert(body, settings.surface(disc));
             self.robots.push(robot);
         }
+        self.objects.place(&mut world, settings);
         self.world = world;
     }
 
@@ -253,7 +267,9 @@ impl RapierEngine {
             let way = if sound(way) { way } else { Vector::ZERO };
             body.set_linvel(way * parts_per_s, false);
         }
+        self.objects.brake(&mut self.world, self.settings.part_s);
         self.world.step();
+        self.objects.keep_in(&mut self.world, &self.walls_m);
 
         self.scratch.pushes_m.clear();
         for (i, &robot) in self.robots.iter().enumerate() {

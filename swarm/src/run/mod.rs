@@ -15,7 +15,7 @@ use arenas::{Arena, Reachable};
 use sha2::{Digest, Sha256};
 
 pub use metrics::{Metrics, MetricsLog, MetricsRow, RobotMetrics, time_to_cover};
-pub use types::{CurveRow, Outcome, Phase, Progress, RestoreError, RobotMemory};
+pub use types::{CurveRow, ObjectOutcome, Outcome, Phase, Progress, RestoreError, RobotMemory};
 
 use crate::memory::MemoryPlan;
 use crate::placement::place;
@@ -406,6 +406,27 @@ impl Run {
         worlds as u64 + self.learners.bytes()
     }
 
+    /// What became of the movable objects of the target arena.
+    pub fn objects(&self) -> Vec<ObjectOutcome> {
+        let objects = &self.venues[TARGET].world.state().objects;
+        let figures = objects.poses.iter().zip(&objects.moved_m);
+        let made = self.spec.arena.objects().iter();
+        made.zip(figures)
+            .map(|(object, (pose, moved_m))| {
+                let (dx_m, dy_m) = (
+                    f64::from(pose.x_m) - object.centre().x,
+                    f64::from(pose.y_m) - object.centre().y,
+                );
+                ObjectOutcome {
+                    kind: object.kind(),
+                    pose: *pose,
+                    moved_m: *moved_m,
+                    displaced_m: (dx_m * dx_m + dy_m * dy_m).sqrt(),
+                }
+            })
+            .collect()
+    }
+
     /// What each robot's learner may hold.
     pub fn memory_plan(&self) -> &MemoryPlan {
         &self.memory
@@ -447,6 +468,7 @@ impl Run {
             bytes: self.bytes(),
             memory_plan: self.memory.clone(),
             memory: self.memory(),
+            objects: self.objects(),
             state_sha256: hex(&Sha256::digest(self.snapshot())),
         })
     }

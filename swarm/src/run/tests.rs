@@ -477,3 +477,53 @@ fn metrics_agree_with_visits_step_by_step() {
     assert!((0.0..=1.0).contains(&overlap));
     assert!(metrics.contributors > 1.0 && metrics.contributors <= 3.0);
 }
+
+fn pushing_boxes() -> RunSpec {
+    let json = r#"{"name":"yard","width_m":0.6,"height_m":0.6,"walls_m":[],
+        "starts":[{"x_m":0.1,"y_m":0.1,"heading_rad":0.8}],"objects":[
+        {"kind":"box","x_m":0.2,"y_m":0.2,"width_m":0.06,"height_m":0.04},
+        {"kind":"disc","x_m":0.35,"y_m":0.3,"radius_m":0.03}]}"#;
+    RunSpec {
+        arena: Arc::new(Arena::from_json(json).unwrap()),
+        engine: EngineKind::Rapier,
+        ..swarm(Method::Im, 3)
+    }
+}
+
+#[test]
+fn pushed_objects_are_saved_and_counted() {
+    let spec = pushing_boxes();
+    check_interrupted(&spec, 61);
+    let on = RunSpec {
+        episodes: Episodes::Continue,
+        ..spec
+    };
+    check_interrupted(&on, 61);
+    let objects = finished(on).objects;
+    assert_eq!(objects.len(), 2);
+    assert!(
+        objects.iter().any(|object| object.moved_m > 0.01),
+        "{objects:?}"
+    );
+    assert!(
+        objects
+            .iter()
+            .all(|object| object.displaced_m <= object.moved_m + 1e-3)
+    );
+}
+
+#[test]
+fn the_kinematic_engine_refuses_objects_also_in_training() {
+    let pointer = |spec: RunSpec| spec.validate().first().map(|error| error.pointer.clone());
+    let kinematic = RunSpec {
+        engine: EngineKind::Kinematic,
+        ..pushing_boxes()
+    };
+    assert_eq!(pointer(kinematic).as_deref(), Some("/engine"));
+    let mut training = spec(Method::EvIterC);
+    training.controller.training = Some(Training {
+        arena: pushing_boxes().arena,
+        epochs: 1,
+    });
+    assert_eq!(pointer(training).as_deref(), Some("/engine"));
+}

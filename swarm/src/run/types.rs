@@ -7,6 +7,7 @@ use crate::learn::accuracy::Divergence;
 use crate::memory::MemoryPlan;
 use crate::named_choice;
 use crate::spec::FieldError;
+use crate::world::ObjectPose;
 
 named_choice! {
     /// What a run is doing.
@@ -84,8 +85,23 @@ pub struct Outcome {
     pub memory_plan: MemoryPlan,
     /// What each robot's learner held at the end; index is the robot's number.
     pub memory: Vec<RobotMemory>,
+    /// What became of the target arena's movable objects, in their order.
+    pub objects: Vec<ObjectOutcome>,
     /// SHA-256 of the final snapshot, in hex.
     pub state_sha256: String,
+}
+
+/// What became of a movable object.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ObjectOutcome {
+    /// `box` or `disc`.
+    pub kind: &'static str,
+    /// Where it is at the end.
+    pub pose: ObjectPose,
+    /// Way that it was moved while visits counted, metres.
+    pub moved_m: f64,
+    /// How far it is at the end from where it began, metres.
+    pub displaced_m: f64,
 }
 
 /// What one robot's learner holds.

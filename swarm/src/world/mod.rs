@@ -7,6 +7,7 @@
 
 mod body;
 mod grid;
+mod objects;
 mod step;
 mod tally;
 #[cfg(test)]
@@ -20,6 +21,7 @@ use serde::{Deserialize, Serialize};
 
 pub use body::{Body, StartPose};
 use grid::Grid;
+pub use objects::{ObjectPose, Objects, Shape};
 pub use tally::{SAMPLED_ROBOTS, Tally};
 
 use crate::drive::Drive;
@@ -46,6 +48,8 @@ pub struct WorldState {
     visits: Vec<[u32; 2]>,
     /// When squares were first entered, and by how many robots.
     pub tally: Tally,
+    /// Movable objects.
+    pub objects: Objects,
 }
 
 /// Which instructions the step loop is compiled for. All give the same bits.
@@ -84,6 +88,7 @@ pub struct World {
     noise_keys: Vec<u64>,
     slip_keys: Vec<u64>,
     crowd: Option<Crowd>,
+    shapes: Vec<Shape>,
 }
 
 /// What every world of one arena and robot shares: built once, read by all.
@@ -128,6 +133,7 @@ impl World {
             bodies: starts.iter().map(Body::at_rest).collect(),
             visits: vec![[0; 2]; squares],
             tally: Tally::default(),
+            objects: Objects::new(&ground.arena),
         };
         let motor = Motor::new(engine, &ground.arena, model, &starts);
         let mut world = Self::assemble(ground, model, state, motor, starts, seed, site);
@@ -173,6 +179,7 @@ impl World {
             contact,
             starts,
             grid: Grid::of(arena),
+            shapes: Shape::all(arena),
             noise_keys: keys(Purpose::SensorNoise),
             slip_keys: if drive.slips() {
                 keys(Purpose::WheelSlip)
@@ -199,6 +206,7 @@ impl World {
         let fits = state.bodies.len() == starts.len()
             && state.visits.len() == squares
             && state.tally.fits(starts.len(), squares)
+            && state.objects.fits(&ground.arena)
             && state
                 .bodies
                 .iter()
@@ -286,6 +294,9 @@ impl World {
             body.put_back(start);
         }
         self.motor.place(&self.state.bodies);
+        if let Motor::Rapier(rigid) = &self.motor {
+            self.state.objects.follow(rigid.objects(), false);
+        }
         self.enter_squares();
         self.sense_all();
     }

@@ -4,6 +4,7 @@
 //! the order of robots cannot matter: where neighbours matter, they are taken in the order of their
 //! cells, which keeps what is read together in the cache.
 
+use super::objects::see;
 use super::{Backend, World, WorldState};
 use crate::engine::Motor;
 use crate::lanes::F8;
@@ -107,7 +108,13 @@ impl World {
                 }
                 crowd.separate(&self.contact, &self.index, bodies);
             }
-            (Motor::Rapier(engine), _) => engine.step(bodies),
+            (Motor::Rapier(engine), _) => {
+                engine.step(bodies);
+                let objects = &mut self.state.objects;
+                if !objects.poses.is_empty() {
+                    objects.follow(engine.objects(), self.counting);
+                }
+            }
         }
     }
 
@@ -153,6 +160,7 @@ impl World {
     #[inline(always)]
     fn sense(&mut self) {
         let (optics, index) = (&self.optics, &*self.index);
+        let objects = (&self.state.objects.poses[..], &self.shapes[..]);
         let counter = self.state.readings.wrapping_mul(SPREAD);
         self.state.readings += 1;
         let bodies = &mut self.state.bodies[..];
@@ -160,7 +168,10 @@ impl World {
             None => {
                 for (body, key) in bodies.iter_mut().zip(&self.noise_keys) {
                     let rays = optics.rays(body.x_m, body.y_m, body.cos, body.sin);
-                    let distance_m = optics.to_walls(&rays, index, body.x_m, body.y_m);
+                    let mut distance_m = optics.to_walls(&rays, index, body.x_m, body.y_m);
+                    if !objects.0.is_empty() {
+                        distance_m = see(optics, objects, &rays, (body.x_m, body.y_m), distance_m);
+                    }
                     body.sensors = optics
                         .respond(distance_m, mix64(key.wrapping_add(counter)))
                         .0;
@@ -177,6 +188,9 @@ impl World {
                     let mut distance_m = optics.to_walls(&rays, index, x_m, y_m);
                     for &[ox_m, oy_m] in crowd.look_around(i, x_m, y_m) {
                         distance_m = optics.to_robot(&rays, ox_m, oy_m, distance_m);
+                    }
+                    if !objects.0.is_empty() {
+                        distance_m = see(optics, objects, &rays, (x_m, y_m), distance_m);
                     }
                     let word = mix64(self.noise_keys[i].wrapping_add(counter));
                     body.sensors = optics.respond(distance_m, word).0;

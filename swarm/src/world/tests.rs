@@ -1,6 +1,8 @@
 //! Tests of a world: geometry, sensing, engines.
 #![allow(clippy::unwrap_used)]
 
+mod objects;
+
 use std::sync::Arc;
 
 use proptest::prelude::*;

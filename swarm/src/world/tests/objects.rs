@@ -1,0 +1,171 @@
+//! Movable objects: seen where they are, pushed, never lost.
+
+use super::*;
+
+/// A room of 1 m with these objects and a start at its centre.
+fn room(objects: &str, model: &RobotModel) -> Ground {
+    let json = format!(
+        r#"{{"name":"room","width_m":1,"height_m":1,"walls_m":[],
+        "starts":[{{"x_m":0.5,"y_m":0.5,"heading_rad":0}}],"objects":[{objects}]}}"#
+    );
+    Ground::new(Arc::new(Arena::from_json(&json).unwrap()), model)
+}
+
+struct Ahead;
+
+impl Pilot for Ahead {
+    fn act(&mut self, _: u64, _: &F8) -> [f32; 2] {
+        [1.0; 2]
+    }
+    fn learn(&mut self, _: &F8) {}
+}
+
+/// Whether a point is inside an object at a pose.
+fn is_inside(object: &arenas::Movable, pose: &ObjectPose, x: f64, y: f64) -> bool {
+    let (dx, dy) = (x - f64::from(pose.x_m), y - f64::from(pose.y_m));
+    let (cos, sin) = (f64::from(pose.cos), f64::from(pose.sin));
+    match object.half_sides_m() {
+        Some([a, b]) => (cos * dx + sin * dy).abs() <= a && (cos * dy - sin * dx).abs() <= b,
+        None => dx.hypot(dy) <= object.reach_m(),
+    }
+}
+
+#[test]
+fn boxes_and_discs_are_seen_at_their_distance() {
+    let model = quiet();
+    let range_m = model.response.range_m();
+    let mut stream = Stream::new(8);
+    for case in 0..200 {
+        let bearing = std::f64::consts::TAU * stream.uniform();
+        let far = 0.085 + 0.06 * stream.uniform();
+        let (x, y) = (0.5 + far * bearing.cos(), 0.5 + far * bearing.sin());
+        let turn = 6.0 * stream.uniform();
+        let object = if case % 2 == 0 {
+            format!(r#"{{"kind":"disc","x_m":{x},"y_m":{y},"radius_m":0.03}}"#)
+        } else {
+            format!(
+                r#"{{"kind":"box","x_m":{x},"y_m":{y},"heading_rad":{turn},"width_m":0.06,"height_m":0.04}}"#
+            )
+        };
+        let ground = room(&object, &model);
+        let heading = std::f64::consts::TAU * stream.uniform();
+        let start = vec![at(0.5, 0.5, heading)];
+        let world = world(&ground, &model, EngineKind::Rapier, start);
+        let (object, pose) = (ground.arena.objects()[0], world.state().objects.poses[0]);
+        for (k, mount) in model.mounts.iter().enumerate() {
+            let (c, s) = (heading.cos(), heading.sin());
+            let origin = (
+                0.5 + c * mount.x_m - s * mount.y_m,
+                0.5 + s * mount.x_m + c * mount.y_m,
+            );
+            let angle = heading + mount.heading_rad;
+            // The oracle walks along the ray.
+            let step_m = 2e-5;
+            let walk = (0..(range_m / step_m) as u32).map(|n| f64::from(n) * step_m);
+            let mut walk =
+                walk.map(|d| (d, origin.0 + d * angle.cos(), origin.1 + d * angle.sin()));
+            let hit = walk.find(|&(_, x, y)| is_inside(&object, &pose, x, y));
+            let distance = hit.map_or(range_m, |(distance, ..)| distance);
+            let expected = model.response.at(distance * model.parameters.ray_stretch).0;
+            let seen = f64::from(world.state().bodies[0].sensors[k]);
+            assert!(
+                (seen - expected).abs() < 0.01 * expected + 6.0,
+                "case {case} ps{k}: {seen} {expected}"
+            );
+        }
+    }
+}
+
+/// How far an object ahead of the robot gets in 60 steps, metres.
+fn pushed(object: &str) -> f64 {
+    let model = quiet();
+    let ground = room(object, &model);
+    let mut world = world(&ground, &model, EngineKind::Rapier, vec![at(0.5, 0.5, 0.0)]);
+    world.set_counting(true);
+    world.advance(&mut [Ahead], 60);
+    let objects = &world.state().objects;
+    let displaced_m = f64::from(objects.poses[0].x_m) - ground.arena.objects()[0].centre().x;
+    assert!(objects.moved_m[0] >= displaced_m.abs() * 0.999);
+    displaced_m
+}
+
+#[test]
+fn a_robot_pushes_what_is_ahead_and_heavy_things_less() {
+    let disc = |mass: f64| {
+        pushed(&format!(
+            r#"{{"kind":"disc","x_m":0.58,"y_m":0.5,"radius_m":0.04,"mass_kg":{mass}}}"#
+        ))
+    };
+    let (light, heavy) = (disc(0.02), disc(1.0));
+    assert!(light > 0.2 && heavy > 0.005, "light {light}, heavy {heavy}");
+    assert!(heavy < 0.5 * light, "light {light}, heavy {heavy}");
+    let boxed = |mass: f64| {
+        pushed(&format!(
+            r#"{{"kind":"box","x_m":0.58,"y_m":0.5,"width_m":0.06,"height_m":0.06,"mass_kg":{mass}}}"#
+        ))
+    };
+    assert!(boxed(0.02) > 0.2 && boxed(1.0) < 0.5 * boxed(0.02));
+}
+
+#[test]
+fn nothing_moves_by_itself_and_a_reset_puts_everything_back() {
+    let model = quiet();
+    let object = r#"{"kind":"box","x_m":0.7,"y_m":0.7,"heading_rad":0.3,"width_m":0.05,"height_m":0.05},
+        {"kind":"disc","x_m":0.58,"y_m":0.5,"radius_m":0.04}"#;
+    let ground = room(object, &model);
+    let mut world = world(&ground, &model, EngineKind::Rapier, vec![at(0.5, 0.5, 0.0)]);
+    let before = world.state().objects.poses.clone();
+    world.advance(&mut [Ahead], 30);
+    let after = world.state().objects.poses.clone();
+    assert_eq!(after[0], before[0]);
+    assert!(after[1].x_m > before[1].x_m + 0.05);
+    assert_eq!(
+        world.state().objects.moved_m,
+        [0.0, 0.0],
+        "visits do not count"
+    );
+    world.reset();
+    assert_eq!(world.state().objects.poses, before);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    #[test]
+    fn objects_stay_in_the_arena_and_robots_out_of_them(key in any::<u64>(), stretch in 1_u64..60) {
+        let model = RobotModel::default();
+        let json = r#"{"name":"yard","width_m":0.6,"height_m":0.6,"walls_m":[[0.3,0,0.3,0.25]],
+            "starts":[{"x_m":0.1,"y_m":0.1,"heading_rad":0}],"objects":[
+            {"kind":"box","x_m":0.2,"y_m":0.2,"width_m":0.06,"height_m":0.04,"heading_rad":0.4},
+            {"kind":"disc","x_m":0.4,"y_m":0.4,"radius_m":0.03,"mass_kg":0.02},
+            {"kind":"box","x_m":0.45,"y_m":0.15,"width_m":0.05,"height_m":0.05,"mass_kg":0.3},
+            {"kind":"disc","x_m":0.15,"y_m":0.45,"radius_m":0.02,"friction":0.0}]}"#;
+        let ground = Ground::new(Arc::new(Arena::from_json(json).unwrap()), &model);
+        let starts = crate::placement::place(
+            &ground.arena, &model, &ground.index, crate::spec::Placement::Random, 6, key, Site::Target,
+        ).unwrap();
+        for start in &starts {
+            for object in ground.arena.objects() {
+                let place = nalgebra::Point2::new(f64::from(start.x_m), f64::from(start.y_m));
+                prop_assert!(object.distance_m(place) >= model.parameters.body_radius_m);
+            }
+        }
+        let mut world = world(&ground, &model, EngineKind::Rapier, starts);
+        let mut pilots: Vec<_> = (0..6).map(|i| Bumper { key: key ^ i, stretch }).collect();
+        for _ in 0..800 {
+            world.advance(&mut pilots, 1);
+            let state = world.state();
+            for (object, pose) in ground.arena.objects().iter().zip(&state.objects.poses) {
+                prop_assert!(pose.x_m > 0.0 && pose.x_m < 0.6 && pose.y_m > 0.0 && pose.y_m < 0.6);
+                prop_assert!((pose.cos.hypot(pose.sin) - 1.0).abs() < 1e-3);
+                for body in &state.bodies {
+                    let (x, y) = (f64::from(body.x_m), f64::from(body.y_m));
+                    prop_assert!(!is_inside(object, pose, x, y), "a robot's centre is in a {}", object.kind());
+                }
+            }
+        }
+        let moved = world.state().objects.poses.iter().zip(ground.arena.objects());
+        let moved = moved.filter(|(pose, object)| (f64::from(pose.x_m) - object.centre().x).abs() > 1e-3);
+        prop_assert!(moved.count() > 0, "nothing was pushed");
+    }
+}
