@@ -18,7 +18,7 @@ pub use job::{Job, JobPage, RunCounts, RunPage, RunSummary};
 pub use problem::{FieldError, Problem};
 pub use result::{
     ClusterCounts, Coverage, CurveRow, Fractions, Memory, MemoryPlan, Metrics, MetricsRow,
-    ModelAccuracy, RunResult, Squares, SwarmMetrics,
+    ModelAccuracy, ObjectResult, RunResult, Squares, SwarmMetrics,
 };
 pub use spec::{
     ArenaRef, ControllerSpec, JobSpec, RecordSpec, RobotSpec, RunSpec, SCHEMA, Seeds, SharingSpec,

@@ -148,6 +148,26 @@ pub struct Metrics {
     pub rows: Vec<MetricsRow>,
 }
 
+/// What became of a movable object.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ObjectResult {
+    /// `box` or `disc`.
+    pub kind: String,
+    /// Where its centre is at the end, metres.
+    pub x_m: f64,
+    /// Where its centre is at the end, metres.
+    pub y_m: f64,
+    /// Cosine of its heading at the end.
+    pub cos: f64,
+    /// Sine of its heading at the end.
+    pub sin: f64,
+    /// Way that it was moved while visits counted, metres.
+    pub moved_m: f64,
+    /// How far it is at the end from where it began, metres; objects go back when an epoch begins,
+    /// unless episodes continue.
+    pub displaced_m: f64,
+}
+
 /// `result.json`: what a finished run has to say; nothing about time or machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunResult {
@@ -181,6 +201,9 @@ pub struct RunResult {
     pub bytes: u64,
     /// What the robots' learners held.
     pub memory: Memory,
+    /// What became of the arena's movable objects, in their order; absent where it has none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub objects: Vec<ObjectResult>,
     /// SHA-256 of the final snapshot, in hex.
     pub state_sha256: String,
 }

@@ -13,6 +13,8 @@ pub const UNREACHABLE: Colour = [232, 232, 232];
 pub const HATCH: Colour = [178, 178, 178];
 /// Start poses: the vermilion of Okabe and Ito.
 pub const START: Colour = [213, 94, 0];
+/// Movable objects.
+pub const OBJECT: Colour = [148, 82, 160];
 
 /// A class of squares by their visits.
 pub struct Step {

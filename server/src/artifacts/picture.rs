@@ -3,7 +3,7 @@
 use arenas::Arena;
 use swarm::run::counts_within;
 
-use super::palette::{self, BLACK, Colour, GREY, HATCH, START, STEPS, UNREACHABLE, WHITE};
+use super::palette::{self, BLACK, Colour, GREY, HATCH, OBJECT, START, STEPS, UNREACHABLE, WHITE};
 use super::scene::{Anchor, Item, Scene};
 use super::tables::coverage_counts;
 
@@ -24,6 +24,7 @@ pub fn coverage(arena: &Arena, visits: &[u32], reachable: Option<&[bool]>) -> Sc
     title(&mut items, arena);
     squares(&mut items, &plot, visits, reachable);
     walls(&mut items, &plot, arena);
+    objects(&mut items, &plot, arena);
     starts(&mut items, &plot, arena);
     axes(&mut items, &plot, arena);
     legend(&mut items, &plot, visits, reachable);
@@ -184,6 +185,39 @@ fn walls(items: &mut Vec<Item>, plot: &Plot, arena: &Arena) {
         width_px: 3.0,
         colour: BLACK,
     });
+}
+
+/// Outlines of movable objects, where they begin.
+fn objects(items: &mut Vec<Item>, plot: &Plot, arena: &Arena) {
+    const SIDES_OF_A_DISC: u32 = 24;
+    let mut lines = Vec::new();
+    for object in arena.objects() {
+        let corners: Vec<[f32; 2]> = match object.corners() {
+            Some(corners) => corners.iter().map(|c| plot.at(c.x, c.y)).collect(),
+            None => (0..SIDES_OF_A_DISC)
+                .map(|side| {
+                    let angle =
+                        f64::from(side) * std::f64::consts::TAU / f64::from(SIDES_OF_A_DISC);
+                    let (centre, radius_m) = (object.centre(), object.reach_m());
+                    plot.at(
+                        centre.x + radius_m * libm::cos(angle),
+                        centre.y + radius_m * libm::sin(angle),
+                    )
+                })
+                .collect(),
+        };
+        for (place, [x1, y1]) in corners.iter().enumerate() {
+            let [x2, y2] = corners[(place + 1) % corners.len()];
+            lines.push([*x1, *y1, x2, y2]);
+        }
+    }
+    if !lines.is_empty() {
+        items.push(Item::Lines {
+            lines,
+            width_px: 2.0,
+            colour: OBJECT,
+        });
+    }
 }
 
 fn starts(items: &mut Vec<Item>, plot: &Plot, arena: &Arena) {

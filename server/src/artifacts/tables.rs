@@ -3,10 +3,12 @@
 use std::fmt::Write;
 
 use api::{
-    ClusterCounts, Coverage, Fractions, Memory, MemoryPlan, ModelAccuracy, RunResult, SCHEMA,
+    ClusterCounts, Coverage, Fractions, Memory, MemoryPlan, ModelAccuracy, ObjectResult, RunResult,
+    SCHEMA,
 };
 use arenas::Arena;
-use swarm::run::{CurveRow, Outcome, counts_within};
+use swarm::run::{CurveRow, ObjectOutcome, Outcome, counts_within};
+use swarm::world::ObjectPose;
 
 use super::metrics::swarm_metrics;
 use super::palette::STEPS;
@@ -38,7 +40,21 @@ pub fn run_result(outcome: &Outcome) -> RunResult {
         }),
         bytes: outcome.bytes,
         memory: memory(outcome),
+        objects: outcome.objects.iter().map(object).collect(),
         state_sha256: outcome.state_sha256.clone(),
+    }
+}
+
+fn object(object: &ObjectOutcome) -> ObjectResult {
+    let ObjectPose { x_m, y_m, cos, sin } = object.pose;
+    ObjectResult {
+        kind: object.kind.to_owned(),
+        x_m: x_m.into(),
+        y_m: y_m.into(),
+        cos: cos.into(),
+        sin: sin.into(),
+        moved_m: object.moved_m,
+        displaced_m: object.displaced_m,
     }
 }
 

@@ -6,7 +6,8 @@ use std::fs;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use swarm::memory::MemoryPlan;
-use swarm::run::{CurveRow, MetricsLog, Outcome, RobotMemory};
+use swarm::run::{CurveRow, MetricsLog, ObjectOutcome, Outcome, RobotMemory};
+use swarm::world::ObjectPose;
 
 use super::*;
 use crate::spec::{self, BuiltinArenas, ResolvedRun};
@@ -85,6 +86,17 @@ fn outcome() -> Outcome {
                 clusters_saturated: 0,
             },
         ],
+        objects: vec![ObjectOutcome {
+            kind: "disc",
+            pose: ObjectPose {
+                x_m: 0.5,
+                y_m: 0.25,
+                cos: 1.0,
+                sin: 0.0,
+            },
+            moved_m: 0.375,
+            displaced_m: 0.125,
+        }],
         state_sha256: "ab".to_owned(),
     }
 }

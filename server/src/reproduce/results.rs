@@ -242,6 +242,7 @@ pub(super) mod testing {
                 model: None,
                 bytes: 1,
                 memory: api::Memory::default(),
+                objects: Vec::new(),
                 state_sha256: String::new(),
             },
             p1_by_epoch: (1..=20).map(|epoch| f64::from(p1 * epoch) / 20.0).collect(),

@@ -62,6 +62,7 @@ fn finished() -> Finished {
         model: None,
         bytes: 99,
         memory: api::Memory::default(),
+        objects: Vec::new(),
         state_sha256: "00".repeat(32),
     };
     let curve = vec![swarm::run::CurveRow {

@@ -30,6 +30,7 @@ fn finished(place: u64, seed: u64, t90: Option<u64>, mean_coverage: f64) -> Fini
             model: None,
             bytes: 0,
             memory: api::Memory::default(),
+            objects: Vec::new(),
             state_sha256: String::new(),
         },
         cpu_ns_per_robot_step: Some(100.0),

@@ -26,6 +26,7 @@ pub fn wrong_specs() -> Vec<Wrong> {
     let budget = "a memory budget too small for any plan (the smallest that works is told)";
     let sharing = "sharing what a method does not have, or by a radio that cannot be";
     let tiles = "more tiles of an arena than fit, a wrong scale or doorway";
+    let objects = "movable objects under the kinematic engine, also in a training arena";
     let room = |wall: Value, x_m: f64| {
         json!({
             "name": "room", "width_m": 0.6, "height_m": 0.6, "walls_m": [wall],
@@ -255,6 +256,17 @@ pub fn wrong_specs() -> Vec<Wrong> {
             json!({ "epochs": 3 }),
             "/controller/train",
             "brownian has no training",
+        ),
+        (
+            objects,
+            "/arena",
+            json!({
+                "name": "boxes", "width_m": 0.6, "height_m": 0.6, "walls_m": [],
+                "starts": [{ "x_m": 0.1, "y_m": 0.1, "heading_rad": 0.0 }],
+                "objects": [{ "kind": "box", "x_m": 0.3, "y_m": 0.3, "width_m": 0.05, "height_m": 0.05 }]
+            }),
+            "/engine",
+            "cannot move the 1 objects",
         ),
         (
             budget,
