@@ -69,10 +69,10 @@ fn spec(method: Method, robots: u32) -> RunSpec {
     }
 }
 
-/// Allocations while the run is stepped inside its epochs: not at their ends, where evolution,
-/// clustering and the next stage's learners may take memory.
+/// Allocations while the run is stepped inside tenths of its epochs: not at their ends, where rows
+/// of metrics, evolution, clustering and the next stage's learners may take memory.
 fn allocations_in_steps(spec: RunSpec) -> u64 {
-    let inside = u64::from(spec.steps_per_epoch) - 1;
+    let inside = u64::from(spec.steps_per_epoch) / 10 - 1;
     let mut run = Run::new(spec).unwrap();
     let mut sum = 0;
     while run.progress().phase != Phase::Done {

@@ -40,8 +40,12 @@ pub fn write_report(plan: &Plan, out: &Path) -> anyhow::Result<Vec<String>> {
         replace(&out.join(name), text.as_bytes())?;
     }
     let line = |claim: &claims::Claim| {
+        let at_p10 = match claim.verdict_p10 {
+            claims::Verdict::NotTested => String::new(),
+            verdict => format!("p10 {}", verdict.name()),
+        };
         format!(
-            "claim {:>2}: {:<12} {}",
+            "claim {:>2}: {:<12} {at_p10:<16} {}",
             claim.claim,
             claim.verdict.name(),
             claim.text

@@ -55,6 +55,13 @@ fn least_p(n: u32) -> f64 {
     (1..=n).map(|i| f64::from(i) / f64::from(n + i)).product()
 }
 
+fn at_p10(claim: &Claim) -> String {
+    match claim.verdict_p10 {
+        Verdict::NotTested => "-".to_owned(),
+        verdict => verdict.name().to_owned(),
+    }
+}
+
 /// One row a claim.
 pub fn verdicts(claims: &Claims) -> Vec<Block> {
     let count = |claim: &Claim, verdict| {
@@ -66,6 +73,7 @@ pub fn verdicts(claims: &Claims) -> Vec<Block> {
             claim.claim.to_string(),
             claim.text.to_owned(),
             claim.verdict.name().to_owned(),
+            at_p10(claim),
             count(claim, Verdict::Reproduced),
             count(claim, Verdict::Inconclusive),
             count(claim, Verdict::Contradicted),
@@ -77,20 +85,22 @@ pub fn verdicts(claims: &Claims) -> Vec<Block> {
             caption: format!(
                 "Ten claims of the thesis. A claim is reproduced if all its tests are significant \
                  at {ALPHA} after Holm's correction over all {} tests, contradicted if the \
-                 opposite of one of them is, and otherwise inconclusive. The last three columns \
-                 count tests.",
+                 opposite of one of them is, and otherwise inconclusive. Claims that compare \
+                 coverage have two verdicts: at p1, the squares entered at all, and at p10, those \
+                 entered at least ten times. The last three columns count tests of both.",
                 claims.tests
             ),
             head: words(&[
                 "",
                 "claim",
                 "verdict",
+                "at p10",
                 "reproduced",
                 "inconclusive",
                 "contradicted",
             ]),
             rows: rows.collect(),
-            words: 3,
+            words: 4,
         }),
     ]
 }
@@ -213,7 +223,15 @@ pub fn test_tables(claims: &Claims) -> Vec<Block> {
     for claim in &claims.claims {
         blocks.push(Block::Heading(
             3,
-            format!("Claim {}: {}", claim.claim, claim.verdict.name()),
+            match claim.verdict_p10 {
+                Verdict::NotTested => format!("Claim {}: {}", claim.claim, claim.verdict.name()),
+                at_p10 => format!(
+                    "Claim {}: {}; at p10 {}",
+                    claim.claim,
+                    claim.verdict.name(),
+                    at_p10.name()
+                ),
+            },
         ));
         let reason = claim
             .reason

@@ -37,10 +37,33 @@ pub struct Claim {
     pub text: &'static str,
     /// How it is tested.
     pub how: String,
+    /// By all its tests but those at p10.
     pub verdict: Verdict,
+    /// By its tests at p10; not tested where it has none.
+    pub verdict_p10: Verdict,
     /// Why it is not tested, or what the verdict leaves out.
     pub reason: Option<String>,
     pub tests: Vec<Test>,
+}
+
+/// Which squares a test compares.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Level {
+    /// Those entered at least once, or something else than squares.
+    P1,
+    /// Those entered at least ten times.
+    P10,
+}
+
+impl Level {
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::P1 => "p1",
+            Self::P10 => "p10",
+        }
+    }
 }
 
 /// One test of a claim.
@@ -49,6 +72,7 @@ pub struct Test {
     /// Name of the arena, or of the two that are compared.
     pub arena: String,
     pub hypothesis: String,
+    pub level: Level,
     pub test: &'static str,
     /// Runs in each sample.
     pub n: Vec<usize>,

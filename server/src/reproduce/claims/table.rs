@@ -2,7 +2,7 @@
 
 use anyhow::Context;
 
-use super::{Claim, Test, Verdict};
+use super::{Claim, Level, Test, Verdict};
 use crate::reproduce::far_chamber::{DEPTH_M, far_chamber};
 use crate::reproduce::plan::{
     SHORT_PHASE_ARENA, SHORT_PHASE_METHOD, SHORT_PHASES, Settings, short_phase_label,
@@ -46,7 +46,7 @@ pub fn claims(
             "Random motion covers least on every arena, and in no run gets to the farthest \
              chamber of the maze",
             format!(
-                "p1 against each other method on each arena; the runs that entered the chamber \
+                "p1, and p10, against each other method on each arena; the runs that entered the chamber \
                  are counted. The chamber is the reachable squares of the maze whose shortest way \
                  from the start over reachable squares is within {chamber_mm:.1} mm (a cell of \
                  the maze) of the longest such way; one run in it contradicts."
@@ -57,7 +57,7 @@ pub fn claims(
             2,
             "Ev-ITER-C and Ev-ITER-D beat intrinsic motivation alone, the more so the harder the \
              arena",
-            "p1 on each arena; then the lead of each seed's run over the im run of the same seed, \
+            "p1, and p10, on each arena; then the lead of each seed's run over the im run of the same seed, \
              as a share of the reachable squares, on the harder of two neighbouring arenas \
              against the easier (easy, graph, maze)."
                 .to_owned(),
@@ -67,27 +67,27 @@ pub fn claims(
             3,
             "Ev-ITER-C and Ev-ITER-D beat the controllers evolved for curiosity and discovery on \
              every arena, on the one they were trained in too",
-            "p1 on each arena.".to_owned(),
+            "p1, and p10, on each arena.".to_owned(),
             table.beat(&EV_ITER, &["curiosity", "discovery"]),
         ),
         claim(
             4,
             "Intrinsic motivation alone beats the controllers evolved for actuator entropy on \
              every arena",
-            "p1 on each arena.".to_owned(),
+            "p1, and p10, on each arena.".to_owned(),
             table.beat(&["im"], &["curiosity-a", "discovery-a"]),
         ),
         claim(
             5,
             "Among evolved controllers entropy beats differential entropy",
-            "p1 on each arena.".to_owned(),
+            "p1, and p10, on each arena.".to_owned(),
             table.beat(&["curiosity"], &["discovery"]),
         ),
         claim(
             6,
             "Among evolved controllers the entropy of actuator data beats that of sensori-motor \
              data",
-            "p1 on each arena.".to_owned(),
+            "p1, and p10, on each arena.".to_owned(),
             [
                 table.beat(&["curiosity-a"], &["curiosity"]),
                 table.beat(&["discovery-a"], &["discovery"]),
@@ -156,6 +156,7 @@ fn claim(claim: u32, text: &'static str, how: String, tests: Vec<Test>) -> Claim
         text,
         how,
         verdict: Verdict::NotTested,
+        verdict_p10: Verdict::NotTested,
         reason: None,
         tests,
     }
@@ -163,6 +164,10 @@ fn claim(claim: u32, text: &'static str, how: String, tests: Vec<Test>) -> Claim
 
 fn p1(run: &Finding) -> f64 {
     f64::from(run.result.p1)
+}
+
+fn p10(run: &Finding) -> f64 {
+    f64::from(run.result.p10)
 }
 
 struct Table<'a> {
@@ -187,7 +192,7 @@ impl Table<'_> {
         self.settings.arenas.iter().map(String::as_str)
     }
 
-    /// A method against every other of the template, smaller p1 expected, on each arena.
+    /// A method against every other of the template, smaller p1 and p10 expected, on each arena.
     fn least(&self, method: &str) -> Vec<Test> {
         let others: Vec<&str> = Method::NAMES
             .iter()
@@ -197,16 +202,22 @@ impl Table<'_> {
         self.beat(&others, &[method])
     }
 
-    /// Each of some methods against each of others, larger p1 expected, on each arena.
+    /// Each of some methods against each of others, larger p1 and p10 expected, on each arena.
     fn beat(&self, better: &[&str], worse: &[&str]) -> Vec<Test> {
         let mut tests = Vec::new();
-        for arena in self.arenas() {
-            for one in better {
-                for other in worse {
-                    let x = self.findings.values(arena, one, p1);
-                    let y = self.findings.values(arena, other, p1);
-                    let hypothesis = format!("p1 of {one} > p1 of {other}");
-                    tests.push(mann_whitney(arena, hypothesis, &x, &y, "squares"));
+        for (level, squares) in [(Level::P1, p1 as fn(&Finding) -> f64), (Level::P10, p10)] {
+            let name = level.name();
+            for arena in self.arenas() {
+                for one in better {
+                    for other in worse {
+                        let x = self.findings.values(arena, one, squares);
+                        let y = self.findings.values(arena, other, squares);
+                        let hypothesis = format!("{name} of {one} > {name} of {other}");
+                        tests.push(Test {
+                            level,
+                            ..mann_whitney(arena, hypothesis, &x, &y, "squares")
+                        });
+                    }
                 }
             }
         }
@@ -339,6 +350,7 @@ impl Table<'_> {
         Ok(Some(Test {
             arena: "maze".to_owned(),
             hypothesis: format!("no run of {method} enters the farthest chamber ({size} squares)"),
+            level: Level::P1,
             test: "count",
             n: vec![runs],
             statistic: number as f64,
@@ -405,6 +417,7 @@ fn mann_whitney(arena: &str, hypothesis: String, x: &[f64], y: &[f64], unit: &'s
     Test {
         arena: arena.to_owned(),
         hypothesis,
+        level: Level::P1,
         test: "Mann-Whitney, one-sided",
         n: vec![x.len(), y.len()],
         statistic: u,
@@ -425,6 +438,7 @@ fn sign(arena: &str, hypothesis: String, meeting: usize, runs: usize) -> Test {
     Test {
         arena: arena.to_owned(),
         hypothesis,
+        level: Level::P1,
         test: "sign test, one-sided",
         n: vec![runs],
         statistic: meeting as f64,

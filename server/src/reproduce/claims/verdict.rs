@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Claim, Test};
+use super::{Claim, Level, Test};
 use crate::statistics::holm;
 
 /// Level of significance after correction.
@@ -59,7 +59,11 @@ pub fn decide(claims: &mut [Claim]) -> usize {
         test.verdict = of_test(p, p_opposite);
     }
     for claim in claims {
-        claim.verdict = of_claim(&claim.tests);
+        let at = |p10: bool| {
+            let tests = claim.tests.iter();
+            tests.filter(move |test| (test.level == Level::P10) == p10)
+        };
+        (claim.verdict, claim.verdict_p10) = (of_claim(at(false)), of_claim(at(true)));
     }
     number
 }
@@ -75,9 +79,9 @@ fn of_test(p: f64, p_opposite: f64) -> Verdict {
     }
 }
 
-fn of_claim(tests: &[Test]) -> Verdict {
-    let any = |verdict| tests.iter().any(|test| test.verdict == verdict);
-    if tests.is_empty() {
+fn of_claim<'a>(tests: impl Iterator<Item = &'a Test> + Clone) -> Verdict {
+    let any = |verdict| tests.clone().any(|test| test.verdict == verdict);
+    if tests.clone().next().is_none() {
         Verdict::NotTested
     } else if any(Verdict::Contradicted) {
         Verdict::Contradicted
@@ -96,6 +100,7 @@ mod tests {
         Test {
             arena: "maze".to_owned(),
             hypothesis: String::new(),
+            level: Level::P1,
             test: "",
             n: vec![15, 15],
             statistic: 0.0,
@@ -117,6 +122,7 @@ mod tests {
             text: "",
             how: String::new(),
             verdict: Verdict::NotTested,
+            verdict_p10: Verdict::NotTested,
             reason: None,
             tests,
         }
@@ -160,6 +166,26 @@ mod tests {
             Verdict::NotTested,
         ];
         assert_eq!(verdicts(&claims), expected);
+    }
+
+    #[test]
+    fn p10_has_a_verdict_of_its_own() {
+        let at_p10 = Test {
+            level: Level::P10,
+            ..test(1e-6, 1.0 - 1e-6)
+        };
+        let mut claims = [
+            claim(vec![test(0.4, 0.6), at_p10]),
+            claim(vec![test(1e-6, 1.0 - 1e-6)]),
+        ];
+        assert_eq!(decide(&mut claims), 3);
+        assert_eq!(
+            claims.each_ref().map(|c| (c.verdict, c.verdict_p10)),
+            [
+                (Verdict::Inconclusive, Verdict::Reproduced),
+                (Verdict::Reproduced, Verdict::NotTested),
+            ]
+        );
     }
 
     #[test]
