@@ -7,7 +7,7 @@ const PEERS: [(u64, f64, &str); 5] = [
     (1, 1_198.0, "roborobo4"),
     (10, 1_344.0, "roborobo4"),
     (100, 1_278.0, "roborobo4"),
-    (1_000, 1_346.0, "roborobo4"),
+    (1_000, 1_538.0, "roborobo4"),
     (10_000, 3_138.0, "roborobo4"),
 ];
 
