@@ -11,8 +11,8 @@ use serde_path_to_error::Segment;
 use super::fields::{Errors, Object, did_you_mean, join, kind};
 
 /// Fields of an arena object.
-const FIELDS: [&str; 7] = [
-    "name", "width_m", "height_m", "squares", "walls_m", "generate", "starts",
+const FIELDS: [&str; 8] = [
+    "name", "width_m", "height_m", "squares", "walls_m", "generate", "starts", "objects",
 ];
 /// Fields of an arena made of another.
 const TILED_FIELDS: [&str; 6] = ["from", "tile", "scale", "doorway_m", "squares", "name"];
@@ -261,7 +261,7 @@ fn inline(value: &Value) -> Result<Found, Vec<FieldError>> {
     })
 }
 
-/// The arena as an object with every field.
+/// The arena as an object with every field; `objects` only where there are some.
 fn shown(arena: &Arena) -> serde_json::Map<String, Value> {
     let wall = |s: &arenas::Segment| Value::from(vec![s.a.x, s.a.y, s.b.x, s.b.y]);
     let start = |Pose {
@@ -271,6 +271,8 @@ fn shown(arena: &Arena) -> serde_json::Map<String, Value> {
                  }: &Pose| {
         serde_json::json!({ "x_m": x_m, "y_m": y_m, "heading_rad": heading_rad })
     };
+    let objects = serde_json::json!(arena.objects());
+    let objects = (!arena.objects().is_empty()).then_some(("objects", objects));
     [
         ("name", Value::from(arena.name())),
         ("width_m", Value::from(arena.width_m())),
@@ -282,8 +284,9 @@ fn shown(arena: &Arena) -> serde_json::Map<String, Value> {
         ("walls_m", arena.walls().iter().map(wall).collect()),
         ("starts", arena.starts().iter().map(start).collect()),
     ]
-    .map(|(name, value)| (name.to_owned(), value))
     .into_iter()
+    .chain(objects)
+    .map(|(name, value)| (name.to_owned(), value))
     .collect()
 }
 

@@ -427,3 +427,22 @@ fn arenas_are_made_of_copies_of_others() {
     }
     check(deep, "/arena/from/from/from/from/from", "at most 4");
 }
+
+#[test]
+fn objects_are_read_shown_and_checked() {
+    let mut arena = two_rooms();
+    arena["objects"] = json!([{ "kind": "disc", "x_m": 0.4, "y_m": 0.4, "radius_m": 0.03 }]);
+    let spec = json!({ "arena": arena, "engine": "rapier", "controller": { "method": "im" } });
+    let run = resolved(spec.clone());
+    assert_eq!(run.arena().objects().len(), 1);
+    let again: Value = serde_json::from_str(&run.canonical_json()).unwrap();
+    assert_eq!(again["arena"]["objects"][0]["mass_kg"], json!(0.05));
+    assert_eq!(resolved(again).key(), run.key());
+    let mut wrong = spec;
+    wrong["arena"]["objects"][0]["radius_m"] = json!(5);
+    refused(
+        resolve(&wrong, &BuiltinArenas).map(drop),
+        "/arena/objects/0/radius_m",
+        "out of range",
+    );
+}

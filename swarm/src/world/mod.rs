@@ -285,6 +285,8 @@ impl World {
             + size_of_val(&self.slip_keys[..])
             + size_of_val(&self.state.visits[..])
             + self.state.tally.bytes()
+            + size_of_val(&self.state.objects.poses[..])
+            + size_of_val(&self.state.objects.moved_m[..])
             + self.crowd.as_ref().map_or(0, Crowd::bytes)
     }
 
