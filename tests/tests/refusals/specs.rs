@@ -271,7 +271,7 @@ pub fn wrong_specs() -> Vec<Wrong> {
         (
             budget,
             "/memory_budget_bytes",
-            json!(16),
+            json!(4),
             "/memory_budget_bytes",
             "too few",
         ),
