@@ -216,7 +216,9 @@ impl RapierEngine {
             self.part(x_m, y_m, dx_m, dy_m, share, touched);
             if self.settings.bounce > 0.0 && self.rebound() {
                 let [back_x_m, back_y_m] = std::mem::take(&mut self.scratch.rebound_m);
+                self.objects.hold(&mut self.world);
                 self.part(x_m, y_m, &back_x_m, &back_y_m, 1.0, touched);
+                self.objects.release(&mut self.world);
                 self.scratch.rebound_m = [back_x_m, back_y_m];
             }
         }

@@ -57,6 +57,9 @@ pub(super) struct Objects {
     size_m: [f32; 2],
     #[serde(skip)]
     before: Vec<Pose>,
+    /// Velocities of objects that are held.
+    #[serde(skip)]
+    held: Vec<(Vector, f32)>,
 }
 
 impl Objects {
@@ -66,6 +69,7 @@ impl Objects {
             bodies: Vec::new(),
             size_m: [arena.width_m() as f32, arena.height_m() as f32],
             before: Vec::new(),
+            held: Vec::new(),
         }
     }
 
@@ -83,6 +87,26 @@ impl Objects {
             };
             let (body, _) = world.insert(body, settings.surface(shape.mass(made.mass_kg)));
             self.bodies.push(body);
+        }
+    }
+
+    /// Stops all objects for a step of the solver in which no time passes: robots bounce in it.
+    pub fn hold(&mut self, world: &mut PhysicsWorld) {
+        self.held.clear();
+        for &handle in &self.bodies {
+            let body = &mut world.bodies[handle];
+            self.held.push((body.linvel(), body.angvel()));
+            body.set_linvel(Vector::ZERO, false);
+            body.set_angvel(0.0, false);
+        }
+    }
+
+    /// Gives objects the velocities that they had before [`Self::hold`].
+    pub fn release(&mut self, world: &mut PhysicsWorld) {
+        for (&handle, &(way, turn)) in self.bodies.iter().zip(&self.held) {
+            let body = &mut world.bodies[handle];
+            body.set_linvel(way, false);
+            body.set_angvel(turn, false);
         }
     }
 

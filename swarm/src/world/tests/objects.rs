@@ -128,6 +128,34 @@ fn nothing_moves_by_itself_and_a_reset_puts_everything_back() {
     assert_eq!(world.state().objects.poses, before);
 }
 
+/// Drives ahead for some steps, then stands.
+struct AheadUntil(u64);
+
+impl Pilot for AheadUntil {
+    fn act(&mut self, step: u64, _: &F8) -> [f32; 2] {
+        if step < self.0 { [1.0; 2] } else { [0.0; 2] }
+    }
+    fn learn(&mut self, _: &F8) {}
+}
+
+#[test]
+fn a_robot_that_bounces_far_away_does_not_change_how_an_object_glides() {
+    let mut model = quiet();
+    model.parameters.contact_bounce = 0.5;
+    let disc =
+        r#"{"kind":"disc","x_m":0.28,"y_m":0.3,"radius_m":0.04,"mass_kg":0.02,"friction":0}"#;
+    let ground = room(disc, &model);
+    let glide = |far_steps| {
+        let starts = vec![at(0.2, 0.3, 0.0), at(0.95, 0.9, 0.0)];
+        let mut world = world(&ground, &model, EngineKind::Rapier, starts);
+        world.advance(&mut [AheadUntil(10), AheadUntil(far_steps)], 50);
+        world.state().objects.poses[0]
+    };
+    let alone = glide(0);
+    assert!(alone.x_m > 0.4, "{alone:?}");
+    assert_eq!(alone, glide(50));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
 
