@@ -10,8 +10,8 @@ use crate::error::ArenaError;
 pub const MAX_OBJECTS: usize = 1_000;
 /// Smallest and largest side of a box, and diameter of a disc, metres.
 pub const OBJECT_SIZE_RANGE_M: [f64; 2] = [0.01, 1.0];
-/// Range of masses, kilograms.
-pub const OBJECT_MASS_RANGE_KG: [f64; 2] = [0.001, 10.0];
+/// Range of masses, kilograms. Robots sink into what is much lighter than they are.
+pub const OBJECT_MASS_RANGE_KG: [f64; 2] = [0.02, 10.0];
 /// Range of friction coefficients.
 pub const OBJECT_FRICTION_RANGE: [f64; 2] = [0.0, 10.0];
 

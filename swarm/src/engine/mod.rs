@@ -70,6 +70,17 @@ impl Rigid {
         self.engine.objects()
     }
 
+    /// Takes over where bodies were put after the step.
+    pub fn correct(&mut self, bodies: &[Body]) {
+        let places = bodies.iter().map(|body| [body.x_m, body.y_m]);
+        let ends = self.columns.x_m.iter().zip(&self.columns.y_m);
+        for (robot, (place, (x_m, y_m))) in places.zip(ends).enumerate() {
+            if place != [*x_m, *y_m] {
+                self.engine.put(robot, place);
+            }
+        }
+    }
+
     /// Moves bodies from `from_m` towards where they want to be.
     pub fn step(&mut self, bodies: &mut [Body]) {
         let c = &mut self.columns;

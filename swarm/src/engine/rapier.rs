@@ -224,6 +224,14 @@ impl RapierEngine {
         }
     }
 
+    /// Puts one robot elsewhere at once, without speed.
+    pub fn put(&mut self, robot: usize, [x_m, y_m]: [f32; 2]) {
+        restore(
+            &mut self.world.bodies[self.robots[robot]],
+            Vector::new(x_m, y_m),
+        );
+    }
+
     /// Finds how far each robot bounces off what just pushed it, and whether any does.
     ///
     /// Restitution as in the kinematic engine: the push along the normal counts `1 + bounce` times.

@@ -12,7 +12,7 @@ use crate::spec::RunSpec;
 use crate::world::{World, WorldState};
 
 /// Changes whenever the layout of saved state does.
-const MAGIC: &[u8; 8] = b"evswarm2";
+const MAGIC: &[u8; 8] = b"evswarm3";
 
 #[derive(Serialize)]
 struct SavedRef<'a> {

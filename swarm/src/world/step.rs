@@ -108,8 +108,13 @@ impl World {
                 }
                 crowd.separate(&self.contact, &self.index, bodies);
             }
-            (Motor::Rapier(engine), _) => {
+            (Motor::Rapier(engine), crowd) => {
                 engine.step(bodies);
+                if let Some(crowd) = crowd {
+                    // rapier's contacts are soft: what is left of an overlap is parted here.
+                    crowd.separate(&self.contact, &self.index, bodies);
+                    engine.correct(bodies);
+                }
                 let objects = &mut self.state.objects;
                 if !objects.poses.is_empty() {
                     objects.follow(engine.objects(), self.counting);

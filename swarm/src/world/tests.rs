@@ -469,11 +469,9 @@ fn a_dense_crowd_neither_overlaps_nor_leaves_over_a_million_robot_steps() {
     assert!(wall_m < 1.1e-5, "wall {wall_m}");
 }
 
-/// rapier's contacts are soft: this crowd overlaps by up to 0.86 mm, more than the 0.1 mm that the
-/// kinematic engine keeps to. The bound is there to notice when it gets worse.
 #[test]
-fn a_rigid_crowd_stays_in_the_arena_over_a_million_robot_steps() {
+fn a_rigid_crowd_neither_overlaps_nor_leaves_over_a_million_robot_steps() {
     let (overlap_m, wall_m) = deepest_in_a_million_robot_steps(EngineKind::Rapier);
-    assert!(overlap_m < 1e-3, "overlap {overlap_m}");
+    assert!(overlap_m < 1e-4, "overlap {overlap_m}");
     assert!(wall_m < 1e-4, "wall {wall_m}");
 }
