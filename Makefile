@@ -38,10 +38,10 @@ deny:
 		$(CARGO) install cargo-deny --version $(CARGO_DENY_VERSION) --locked --root target/tools
 	PATH="$$PATH:$(dir $(abspath $(CARGO_DENY)))" $(CARGO) deny check bans licenses sources
 
-bench:
-	$(CARGO) run --release -p loadtests -- $(if $(BASE),--base $(BASE)) $(ARGS)
+bench: build
+	$(TARGET)/release/loadtests $(if $(BASE),--base $(BASE)) $(ARGS)
 
 # Measures everything and puts the figures into docs/performance.md, with the picture.
-figures:
-	$(CARGO) run --release -p loadtests -- --full --document docs/performance.md \
+figures: build
+	$(TARGET)/release/loadtests --full --document docs/performance.md \
 		--picture docs/pictures/scaling.svg $(ARGS)
