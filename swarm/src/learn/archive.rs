@@ -4,6 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use super::perceptron::WEIGHTS;
 
+/// Genomes that memory is taken for at once.
+const CHUNK: usize = 32;
+
 /// At most `cap` genomes: every one told, while there is room, then the fittest (chapter 4 of the
 /// thesis replays the best controllers, chapter 5 all of them).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -15,13 +18,13 @@ pub struct Archive {
 }
 
 impl Archive {
-    /// An empty archive with all of its memory taken; `cap` at least one.
+    /// An empty archive; `cap` at least one. It takes memory for [`CHUNK`] genomes at a time, so
+    /// that a long phase 1 does not take all of it beforehand.
     pub fn new(cap: u32) -> Self {
-        let cap = cap.max(1);
         Self {
-            cap,
-            genomes: Vec::with_capacity(cap as usize * WEIGHTS),
-            fitness: Vec::with_capacity(cap as usize),
+            cap: cap.max(1),
+            genomes: Vec::new(),
+            fitness: Vec::new(),
         }
     }
 
@@ -33,8 +36,7 @@ impl Archive {
     pub fn offer(&mut self, genome: &[f32], fitness: f64) {
         assert_eq!(genome.len(), WEIGHTS, "weights of a perceptron");
         if self.fitness.len() < self.cap as usize {
-            // Takes memory only after a snapshot was restored.
-            let room = self.cap as usize - self.fitness.len();
+            let room = self.room_for(self.fitness.len() + 1) - self.fitness.len();
             self.genomes.reserve_exact(room * WEIGHTS);
             self.fitness.reserve_exact(room);
             self.genomes.extend_from_slice(genome);
@@ -53,6 +55,11 @@ impl Archive {
         }
     }
 
+    /// Genomes that memory is taken for when so many are held.
+    fn room_for(&self, held: usize) -> usize {
+        held.next_multiple_of(CHUNK).min(self.cap as usize)
+    }
+
     /// A genome, by its place.
     pub fn genome(&self, place: u32) -> Option<&[f32]> {
         self.genomes
@@ -60,7 +67,7 @@ impl Archive {
             .and_then(|rest| rest.get(..WEIGHTS))
     }
 
-    /// Bytes held besides the value itself by room for `cap` genomes.
+    /// Most bytes held besides the value itself, with room for `cap` genomes.
     pub fn heap_bytes_for(cap: u32) -> u64 {
         let genome = WEIGHTS * size_of::<f32>() + size_of::<f64>();
         u64::from(cap.max(1)) * genome as u64
@@ -68,7 +75,10 @@ impl Archive {
 
     /// Bytes held besides the value itself, exactly counted.
     pub fn heap_bytes(&self) -> u64 {
-        Self::heap_bytes_for(self.cap)
+        match self.room_for(self.fitness.len()) as u32 {
+            0 => 0,
+            room => Self::heap_bytes_for(room),
+        }
     }
 }
 
@@ -82,6 +92,18 @@ mod tests {
             .map_while(|place| archive.genome(place))
             .map(|genome| genome[0])
             .collect()
+    }
+
+    #[test]
+    fn takes_memory_as_it_fills() {
+        let mut archive = Archive::new(1_000_000);
+        assert_eq!(archive.heap_bytes(), 0);
+        for n in 1..=100 {
+            archive.offer(&[0.0; WEIGHTS], f64::from(n));
+            let held = archive.genomes.capacity() * 4 + archive.fitness.capacity() * 8;
+            assert_eq!(archive.heap_bytes(), held as u64);
+            assert!(held <= (n as usize + CHUNK) * (WEIGHTS * 4 + 8));
+        }
     }
 
     #[test]
