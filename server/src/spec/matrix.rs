@@ -148,13 +148,17 @@ fn target(path: &str) -> Target<'_> {
 
 /// The index into each axis of the combination at `place`; the last axis is the fastest.
 pub fn place_of(axes: &[Axis<'_>], place: usize) -> Vec<usize> {
+    indices_at(axes.iter().map(|axis| axis.values.len()), place)
+}
+
+/// As [`place_of`], from the axes' numbers of values.
+pub fn indices_at(lengths: impl DoubleEndedIterator<Item = usize>, place: usize) -> Vec<usize> {
     let mut rest = place;
-    let mut indices: Vec<usize> = axes
-        .iter()
+    let mut indices: Vec<usize> = lengths
         .rev()
-        .map(|axis| {
-            let index = rest % axis.values.len();
-            rest /= axis.values.len();
+        .map(|length| {
+            let index = rest % length;
+            rest /= length;
             index
         })
         .collect();

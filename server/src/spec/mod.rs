@@ -18,6 +18,7 @@ mod templates;
 pub use arena::{ArenaSource, BuiltinArenas, arena_error};
 pub use expand::{Design, DesignAxis, ExpandedJob, MAX_RUNS, expand, run_count};
 pub use listing::controllers;
+pub(crate) use matrix::indices_at;
 pub use resolve::{MAX_EPOCHS, MAX_ROBOTS, MAX_SEED, MAX_STEPS_PER_EPOCH, field_error, resolve};
 pub use resolved::ResolvedRun;
 pub use templates::templates;

@@ -15,7 +15,7 @@ use serde_json::Value;
 
 pub use table::{csv, markdown};
 
-use crate::spec::Design;
+use crate::spec::{Design, indices_at};
 
 /// A finished run of a job.
 #[derive(Clone, Debug)]
@@ -83,17 +83,7 @@ fn combinations(input: &Input) -> Vec<Combination<'_>> {
     let count: usize = axes.iter().map(|axis| axis.values.len()).product();
     let mut combinations: Vec<Combination<'_>> = (0..count)
         .map(|place| {
-            let mut rest = place;
-            let mut indices: Vec<usize> = axes
-                .iter()
-                .rev()
-                .map(|axis| {
-                    let index = rest % axis.values.len();
-                    rest /= axis.values.len();
-                    index
-                })
-                .collect();
-            indices.reverse();
+            let indices = indices_at(axes.iter().map(|axis| axis.values.len()), place);
             let values = values(&input.design, &indices, &[]);
             let robots = values.get("robots").and_then(Value::as_f64);
             Combination {

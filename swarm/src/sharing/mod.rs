@@ -103,3 +103,22 @@ pub fn told_transitions(link: &RadioLink, plan: &MemoryPlan) -> ToldTransitions 
         earlier: link.bytes_per_step.saturating_sub(3 * width) / (4 * width),
     }
 }
+
+#[cfg(test)]
+mod testing {
+    use super::MemoryPlan;
+
+    /// A small plan.
+    pub(super) fn plan() -> MemoryPlan {
+        MemoryPlan {
+            sensor_clusters: 9,
+            actuator_clusters: 9,
+            sensori_motor_clusters: 9,
+            sample: 20,
+            actuator_sample: 4,
+            lambda: 10,
+            genomes: 1,
+            bytes: 0,
+        }
+    }
+}

@@ -32,23 +32,10 @@ pub fn pool(watches: &[&Watch], cap: u32) -> Pooled {
 
 #[cfg(test)]
 mod tests {
+    use super::super::testing::plan;
     use super::*;
-    use crate::memory::MemoryPlan;
     use crate::random::Stream;
     use crate::spec::ControllerParameters;
-
-    fn plan() -> MemoryPlan {
-        MemoryPlan {
-            sensor_clusters: 9,
-            actuator_clusters: 9,
-            sensori_motor_clusters: 9,
-            sample: 20,
-            actuator_sample: 4,
-            lambda: 10,
-            genomes: 1,
-            bytes: 0,
-        }
-    }
 
     #[test]
     fn takes_the_same_share_of_each_robot() {

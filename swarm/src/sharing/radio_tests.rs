@@ -4,20 +4,8 @@
 use super::*;
 use crate::random::{Purpose, Site, Stream, stream_key};
 use crate::sharing::DEFAULT_BYTES_PER_STEP;
+use crate::sharing::testing::plan;
 use crate::world::StartPose;
-
-fn plan() -> MemoryPlan {
-    MemoryPlan {
-        sensor_clusters: 9,
-        actuator_clusters: 9,
-        sensori_motor_clusters: 9,
-        sample: 20,
-        actuator_sample: 4,
-        lambda: 10,
-        genomes: 1,
-        bytes: 0,
-    }
-}
 
 fn radio(range_m: Option<f64>, robots: usize) -> Radio {
     let link = RadioLink {
