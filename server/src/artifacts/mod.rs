@@ -5,6 +5,7 @@
 mod directory;
 mod metrics;
 mod npy;
+mod objects;
 mod palette;
 mod picture;
 mod raster;
@@ -16,6 +17,7 @@ mod vector;
 pub use directory::{Finished, WriteError, is_complete, write_directory};
 pub use metrics::{metrics_csv, metrics_json, robots_csv};
 pub use npy::visits_npy;
+pub use objects::{objects_csv, objects_json};
 pub use raster::png_of_rgb;
 pub use tables::{coverage_csv, coverage_json, curve_csv, memory_plan, run_result};
 pub use timing::{Timing, process_cpu_s, thread_cpu_s};

@@ -6,7 +6,7 @@ use std::fs;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use swarm::memory::MemoryPlan;
-use swarm::run::{CurveRow, MetricsLog, ObjectOutcome, Outcome, RobotMemory};
+use swarm::run::{CurveRow, MetricsLog, ObjectOutcome, Outcome, RobotMemory, Tracks};
 use swarm::world::ObjectPose;
 
 use super::*;
@@ -166,6 +166,7 @@ fn a_directory_holds_all_files_or_is_not_there() {
         curve: &[],
         visits: &visits,
         metrics: &MetricsLog::default(),
+        tracks: &Tracks::default(),
     };
     let timing = Timing {
         wall_s: 2.0,

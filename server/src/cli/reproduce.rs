@@ -260,12 +260,14 @@ impl Work<'_> {
         };
         let visits = run.visits();
         let metrics = run.metrics();
+        let tracks = run.tracks();
         let finished = Finished {
             spec: &planned.spec,
             outcome: &outcome,
             curve: run.curve(),
             visits: &visits,
             metrics: &metrics,
+            tracks: &tracks,
         };
         artifacts::write_directory(&directory, &finished, &timing)?;
         checkpoint.remove();

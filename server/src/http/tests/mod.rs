@@ -3,6 +3,7 @@
 
 mod access;
 mod jobs;
+mod objects;
 
 use std::num::NonZeroUsize;
 use std::time::{Duration, Instant};
