@@ -9,7 +9,7 @@ use swarm::run::{CurveRow, MetricsLog, Outcome, Tracks};
 
 use super::timing::Timing;
 use super::{
-    coverage_png, curve_csv, metrics_csv, objects_csv, robots_csv, run_result, visits_npy,
+    coverage_png, curve_csv, metrics_csv, objects_csv, pushed, robots_csv, run_result, visits_npy,
 };
 use crate::spec::ResolvedRun;
 
@@ -95,6 +95,7 @@ fn files(finished: &Finished<'_>, timing: &Timing) -> Vec<(&'static str, Vec<u8>
     let mask = reachable
         .as_ref()
         .map(|reachable| reachable.mask.as_slice());
+    let objects = pushed(spec, tracks);
     let mut files = vec![
         ("spec.json", spec.canonical_json().into_bytes()),
         ("result.json", json(&run_result(outcome))),
@@ -102,7 +103,7 @@ fn files(finished: &Finished<'_>, timing: &Timing) -> Vec<(&'static str, Vec<u8>
         ("metrics.csv", metrics_csv(metrics, step_s).into_bytes()),
         ("robots.csv", robots_csv(metrics).into_bytes()),
         ("visits.npy", visits_npy(visits, arena.squares())),
-        ("coverage.png", coverage_png(arena, visits, mask)),
+        ("coverage.png", coverage_png(arena, visits, mask, &objects)),
         ("timing.json", json(&timing.to_document())),
     ];
     if !tracks.is_empty() {
