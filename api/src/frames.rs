@@ -1,5 +1,5 @@
-//! Frames: where every robot of a run stands at a moment, as local programs read it from shared
-//! memory. A frame is a moment of the simulation, not every step: at most 60 a second of wall
+//! Frames: where every robot of a run stands at a moment, and every movable object, as local
+//! programs read it from shared memory. A frame is a moment of the simulation, not every step: at most 60 a second of wall
 //! time, latest wins, so a viewer never slows a run down and two frames may be many steps apart.
 
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use iceoryx2::prelude::{Config, FileName, Path as IpcPath, SemanticString, ZeroCopySend};
 use serde::{Deserialize, Serialize};
 
-/// Version of [`RobotState`] and [`FrameHeader`]; part of their type names, so that a reader of
+/// Version of [`RobotState`], [`ObjectState`] and [`FrameHeader`]; part of their type names, so that a reader of
 /// another version is refused when it opens the channel instead of reading nonsense.
 pub const FRAMES_VERSION: u32 = 1;
 
@@ -91,9 +91,25 @@ shared_type! {
 }
 
 shared_type! {
-    /// What a frame shows, beside the robots.
+    /// One movable object in a frame; its place in the slice is its number in the arena that robots
+    /// are in.
+    ObjectState as "swarm.ObjectState.v1" {
+        /// Centre, metres from the arena's lower left corner.
+        x_m: f32,
+        /// Centre, metres upwards.
+        y_m: f32,
+        /// Counter-clockwise from the x axis, above -pi to pi.
+        heading_rad: f32,
+        /// Way that it has been moved while visits counted, metres.
+        moved_m: f32,
+    }
+}
+
+shared_type! {
+    /// What a frame shows, beside the robots or objects. Robots and objects of one moment come with
+    /// the same header, each on a channel of its own: pair them by `arena_step`.
     FrameHeader as "swarm.FrameHeader.v1" {
-        /// Frames sent on this channel before this one.
+        /// Frames of the run sent before this one.
         sequence: u64,
         /// Steps of the arena since the run began, all phases; each moves every robot once.
         arena_step: u64,
@@ -114,7 +130,7 @@ shared_type! {
         epochs_done: u32,
         /// Counted epochs in all.
         epochs_total: u32,
-        /// Robots in the frame: the length of the slice.
+        /// Robots in the frame: the length of their slice.
         robots: u32,
         /// Always 0: keeps the type free of padding.
         reserved: u32,
@@ -134,7 +150,7 @@ impl FrameHeader {
 /// A channel of a run, as `GET /v1/runs/{id}/channels` describes it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ChannelDescription {
-    /// What it carries: `frames`.
+    /// What it carries: `frames`, or `objects` where there are movable objects.
     pub name: String,
     /// Library and version that a reader must use.
     pub transport: String,
@@ -167,6 +183,12 @@ pub struct ChannelDescription {
 /// Name of the service on which a run's frames are sent.
 pub fn frames_service(run_id: &str) -> String {
     format!("swarm/{run_id}/frames")
+}
+
+/// Name of the service on which the movable objects of a run's frames are sent, before the robots
+/// of the same moment are.
+pub fn objects_service(run_id: &str) -> String {
+    format!("swarm/{run_id}/objects")
 }
 
 /// The folder that servers and readers of one user share unless told otherwise:
@@ -257,15 +279,23 @@ mod tests {
     #[test]
     fn version_1_never_changes_its_layout() {
         let (robot, header) = (RobotState::layout(), FrameHeader::layout());
+        let object = ObjectState::layout();
         without_padding(&robot);
+        without_padding(&object);
         without_padding(&header);
         assert_eq!((robot.size_bytes, robot.alignment_bytes), (60, 4));
+        assert_eq!((object.size_bytes, object.alignment_bytes), (16, 4));
         assert_eq!((header.size_bytes, header.alignment_bytes), (72, 8));
         let suffix = format!(".v{FRAMES_VERSION}");
-        assert!(robot.type_name.ends_with(&suffix) && header.type_name.ends_with(&suffix));
+        for layout in [&robot, &object, &header] {
+            assert!(layout.type_name.ends_with(&suffix));
+        }
         // SAFETY: reads a constant; the trait marks it unsafe for those who implement it.
         let sent = unsafe { <RobotState as ZeroCopySend>::type_name() };
         assert_eq!(sent, robot.type_name);
+        // SAFETY: as above.
+        let sent = unsafe { <ObjectState as ZeroCopySend>::type_name() };
+        assert_eq!(sent, object.type_name);
     }
 
     #[test]

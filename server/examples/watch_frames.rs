@@ -1,15 +1,20 @@
-//! Reads a run's frames from shared memory and prints rates and positions once a second; a start
-//! for readers of your own. The run must have `"channels": true` in its spec.
+//! Reads a run's frames from shared memory and prints rates and positions of robots and movable
+//! objects once a second; a start for readers of your own. The run must have `"channels": true` in its spec.
 //!
 //! `cargo run --release --example watch_frames -- RUN_ID`
 #![allow(clippy::print_stdout)] // a command line program
 
+use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
-use api::frames::{FrameHeader, RobotState, default_root, frames_service, transport_config};
+use api::frames::{
+    FrameHeader, ObjectState, RobotState, default_root, frames_service, objects_service,
+    transport_config,
+};
 use clap::Parser;
+use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::prelude::*;
 use iceoryx2::service::builder::publish_subscribe::PublishSubscribeOpenError;
 use iceoryx2::service::port_factory::PortFactory as _;
@@ -33,6 +38,51 @@ struct Arguments {
     wait_s: f64,
 }
 
+/// The movable objects of a run, on a channel of their own.
+struct Objects {
+    subscriber: Subscriber<ipc::Service, [ObjectState], FrameHeader>,
+    /// Those of the latest moments, with the moment's step.
+    recent: VecDeque<(u64, Vec<ObjectState>)>,
+}
+
+impl Objects {
+    /// Opens the channel; `None` where the run has no objects. It is made before that of the robots.
+    fn open(node: &Node<ipc::Service>, run_id: &str) -> anyhow::Result<Option<Self>> {
+        let name = ServiceName::new(&objects_service(run_id))?;
+        let opened = node
+            .service_builder(&name)
+            .publish_subscribe::<[ObjectState]>()
+            .user_header::<FrameHeader>()
+            .open();
+        let channel = match opened {
+            Err(PublishSubscribeOpenError::DoesNotExist) => return Ok(None),
+            other => other.with_context(|| format!("no channel {name}"))?,
+        };
+        Ok(Some(Self {
+            subscriber: channel.subscriber_builder().create()?,
+            recent: VecDeque::new(),
+        }))
+    }
+
+    /// The objects of the moment that a frame of robots shows; they are sent before it. Moments must
+    /// come in order.
+    fn at(&mut self, arena_step: u64) -> anyhow::Result<&[ObjectState]> {
+        while let Some(sample) = self.subscriber.receive()? {
+            let step = sample.user_header().arena_step;
+            self.recent.push_back((step, sample.payload().to_vec()));
+        }
+        while self
+            .recent
+            .front()
+            .is_some_and(|(step, _)| *step < arena_step)
+        {
+            self.recent.pop_front();
+        }
+        let front = self.recent.front().filter(|(step, _)| *step == arena_step);
+        Ok(front.map_or(&[], |(_, objects)| objects))
+    }
+}
+
 /// What happened since the last line was printed.
 struct Window {
     since: Instant,
@@ -50,6 +100,7 @@ fn main() -> anyhow::Result<()> {
         .create::<ipc::Service>()?;
     let channel = open(&node, &arguments)?;
     let subscriber = channel.subscriber_builder().create()?;
+    let mut objects = Objects::open(&node, &arguments.run_id)?;
     println!("watching {}", frames_service(&arguments.run_id));
 
     let opened = Instant::now();
@@ -77,9 +128,13 @@ fn main() -> anyhow::Result<()> {
                 first_step: header.arena_step,
             });
             now.frames += 1;
+            let beside = match &mut objects {
+                Some(objects) => objects.at(header.arena_step)?,
+                None => &[],
+            };
             let last = arguments.frames == Some(received);
             if last || now.since.elapsed() >= Duration::from_secs(1) {
-                report(now, header, robots);
+                report(now, header, robots, beside);
                 *now = Window {
                     since: Instant::now(),
                     frames: 0,
@@ -125,7 +180,7 @@ fn open(node: &Node<ipc::Service>, arguments: &Arguments) -> anyhow::Result<Chan
     }
 }
 
-fn report(window: &Window, header: &FrameHeader, robots: &[RobotState]) {
+fn report(window: &Window, header: &FrameHeader, robots: &[RobotState], objects: &[ObjectState]) {
     let seconds = window.since.elapsed().as_secs_f64().max(1e-9);
     let steps = header.arena_step.saturating_sub(window.first_step);
     println!(
@@ -143,6 +198,12 @@ fn report(window: &Window, header: &FrameHeader, robots: &[RobotState]) {
         println!(
             "  robot {}: x {:.3} m  y {:.3} m  heading {heading_rad:.2} rad",
             robot.number, robot.x_m, robot.y_m,
+        );
+    }
+    for (number, object) in objects.iter().enumerate().take(3) {
+        println!(
+            "  object {number}: x {:.3} m  y {:.3} m  heading {:.2} rad  moved {:.3} m",
+            object.x_m, object.y_m, object.heading_rad, object.moved_m,
         );
     }
 }

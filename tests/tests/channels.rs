@@ -1,6 +1,7 @@
 //! A program of its own reads a run's frames from shared memory, and the run is none the wiser.
 #![allow(clippy::unwrap_used)]
 
+use std::path::Path;
 use std::process::{Command, Stdio};
 
 use api::State;
@@ -9,6 +10,23 @@ use serde_json::json;
 use tests::files::Findings;
 use tests::server::Server;
 use tests::{job, program, small_spec, wait};
+
+/// What the example prints of 30 frames.
+fn watch(id: &str, root: &Path) -> String {
+    let mut reader = Command::new(program("examples/watch_frames"))
+        .args([id, "--frames", "30", "--root"])
+        .arg(root)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let status = wait::for_exit(&mut reader);
+    let output = reader.wait_with_output().unwrap();
+    let text = String::from_utf8_lossy(&output.stdout);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(status.success(), "{text}{errors}");
+    text.into_owned()
+}
 
 #[test]
 fn a_reader_gets_frames_while_the_run_goes_on() {
@@ -27,18 +45,7 @@ fn a_reader_gets_frames_while_the_run_goes_on() {
     assert_eq!(channels.len(), 1);
     let root = home.path().join("evswarm");
     assert_eq!(channels[0].root_path, root.to_str().unwrap());
-    let mut reader = Command::new(program("examples/watch_frames"))
-        .args([&id, "--frames", "30", "--root"])
-        .arg(&root)
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let status = wait::for_exit(&mut reader);
-    let output = reader.wait_with_output().unwrap();
-    let text = String::from_utf8_lossy(&output.stdout);
-    let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(status.success(), "{text}{errors}");
+    let text = watch(&id, &root);
     assert!(
         text.contains("exploration") && text.contains("4 robots"),
         "{text}"
@@ -46,6 +53,28 @@ fn a_reader_gets_frames_while_the_run_goes_on() {
     assert!(text.contains("robot 0: x 0."), "{text}");
 
     assert_eq!(server.only_run(&posted).state, State::Running);
+    assert_eq!(server.terminate().code(), Some(0));
+}
+
+#[test]
+fn a_reader_gets_movable_objects_too() {
+    let home = tempfile::tempdir().unwrap();
+    let server = Server::start(home.path());
+    let spec = include_str!("../../docs/pushing-boxes.json");
+    let mut spec: serde_json::Value = serde_json::from_str(spec).unwrap();
+    spec["epochs"] = json!(100_000);
+    spec["channels"] = json!(true);
+    let posted = server.submit(&job(spec, 1));
+    let id = server.only_run(&posted).id;
+    let channels: Vec<ChannelDescription> = server.read(&format!("/v1/runs/{id}/channels"));
+    let services: Vec<_> = channels.iter().map(|channel| &channel.service).collect();
+    let expected = ["frames", "objects"].map(|name| format!("swarm/{id}/{name}"));
+    assert_eq!(services, expected.iter().collect::<Vec<_>>());
+    let text = watch(&id, &home.path().join("evswarm"));
+    assert!(
+        text.contains("2 robots") && text.contains("object 2: x 0."),
+        "{text}"
+    );
     assert_eq!(server.terminate().code(), Some(0));
 }
 

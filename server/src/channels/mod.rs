@@ -14,11 +14,12 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use api::frames::{
-    ChannelDescription, FRAMES_VERSION, FrameHeader, PHASES, RobotState, RootError, default_root,
-    frames_service, transport_config,
+    ChannelDescription, FRAMES_VERSION, FrameHeader, ObjectState, PHASES, RobotState, RootError,
+    TypeLayout, default_root, frames_service, objects_service, transport_config,
 };
 use swarm::run::{Phase, Progress, Run};
-use swarm::world::Body;
+use swarm::spec::RunSpec;
+use swarm::world::{Body, Objects};
 
 pub use ports::ChannelError;
 use ports::{HISTORY, MAX_SUBSCRIBERS, Ports, subscriber_buffer};
@@ -48,7 +49,28 @@ impl Default for ChannelSettings {
     }
 }
 
-/// What a frame shows beside the robots.
+/// How much a run's frames show at most.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Extent {
+    /// Robots.
+    pub robots: usize,
+    /// Movable objects, of the arena that has the most.
+    pub objects: usize,
+}
+
+impl Extent {
+    /// Of the runs of a spec.
+    pub fn of(spec: &RunSpec) -> Self {
+        let training = spec.controller.training.as_ref();
+        let training = training.map_or(0, |training| training.arena.objects().len());
+        Self {
+            robots: spec.robots as usize,
+            objects: training.max(spec.arena.objects().len()),
+        }
+    }
+}
+
+/// What a frame shows beside robots and objects.
 #[derive(Clone, Copy, Debug)]
 pub struct FrameInfo {
     /// Steps of the arena so far, all phases.
@@ -125,16 +147,16 @@ impl Copied {
 }
 
 impl FramePublisher {
-    /// Opens the channel of a run of `robots` robots.
+    /// Opens the channels of a run.
     ///
     /// # Errors
     /// [`ChannelError`] says which part of the transport is not to be had.
     pub fn open(
         settings: &ChannelSettings,
         run_id: &str,
-        robots: usize,
+        extent: Extent,
     ) -> Result<Self, ChannelError> {
-        let slot = Arc::new(Slot::with_room_for(robots));
+        let slot = Arc::new(Slot::with_room_for(extent));
         let (opened, outcome) = mpsc::sync_channel(1);
         // Ports belong to the thread that made them.
         let thread = std::thread::Builder::new()
@@ -142,7 +164,7 @@ impl FramePublisher {
             .spawn({
                 let (slot, root, run_id) =
                     (Arc::clone(&slot), settings.root.clone(), run_id.to_owned());
-                move || match Ports::open(&root, &run_id, robots) {
+                move || match Ports::open(&root, &run_id, extent) {
                     Ok(ports) => {
                         let _ = opened.send(Ok(()));
                         ports.serve(&slot);
@@ -164,8 +186,8 @@ impl FramePublisher {
     }
 
     /// As [`FramePublisher::open`]; a failure is a warning in the log.
-    pub fn open_or_warn(settings: &ChannelSettings, run_id: &str, robots: usize) -> Option<Self> {
-        Self::open(settings, run_id, robots)
+    pub fn open_or_warn(settings: &ChannelSettings, run_id: &str, extent: Extent) -> Option<Self> {
+        Self::open(settings, run_id, extent)
             .inspect_err(|error| {
                 tracing::warn!(run = run_id, %error, "the run goes on without its frames channel");
             })
@@ -176,22 +198,25 @@ impl FramePublisher {
     /// Most calls do nothing but read the clock.
     pub fn offer(&mut self, run: &Run) {
         if self.is_due() {
-            self.offer_bodies(run.robots(), &FrameInfo::of(run));
+            self.offer_moment(run.robots(), run.objects_here(), &FrameInfo::of(run));
         }
     }
 
     /// Offers the present moment whatever the time since the last one: for a run that pauses or
     /// ends, whose readers should see where it stands.
     pub fn offer_now(&mut self, run: &Run) {
-        let (bodies, info) = (run.robots(), FrameInfo::of(run));
+        let (bodies, objects, info) = (run.robots(), run.objects_here(), FrameInfo::of(run));
         let started = Instant::now();
-        self.slot.put(|frame| fill(frame, bodies, &info));
+        self.slot.put(|frame| fill(frame, bodies, objects, &info));
         self.note_copy(started);
     }
 
-    fn offer_bodies(&mut self, bodies: &[Body], info: &FrameInfo) {
+    fn offer_moment(&mut self, bodies: &[Body], objects: &Objects, info: &FrameInfo) {
         let started = Instant::now();
-        if self.slot.try_put(|frame| fill(frame, bodies, info)) {
+        if self
+            .slot
+            .try_put(|frame| fill(frame, bodies, objects, info))
+        {
             self.note_copy(started);
         }
     }
@@ -233,7 +258,7 @@ impl Drop for FramePublisher {
     }
 }
 
-fn fill(frame: &mut Frame, bodies: &[Body], info: &FrameInfo) {
+fn fill(frame: &mut Frame, bodies: &[Body], objects: &Objects, info: &FrameInfo) {
     frame.header = info.header(bodies.len());
     frame.robots.clear();
     let robot = |(number, body): (usize, &Body)| RobotState {
@@ -246,34 +271,54 @@ fn fill(frame: &mut Frame, bodies: &[Body], info: &FrameInfo) {
         commands: body.command,
     };
     frame.robots.extend(bodies.iter().enumerate().map(robot));
+    frame.objects.clear();
+    let figures = objects.poses.iter().zip(&objects.moved_m);
+    frame
+        .objects
+        .extend(figures.map(|(pose, &moved_m)| ObjectState {
+            x_m: pose.x_m,
+            y_m: pose.y_m,
+            heading_rad: libm::atan2f(pose.sin, pose.cos),
+            moved_m: moved_m as f32,
+        }));
 }
 
-/// What a reader must know to open the channels of a run of `robots` robots; empty when frames of
-/// so many robots do not fit a channel.
+/// What a reader must know to open the channels of a run: that of its frames, then that of its
+/// movable objects where it has any. Empty when frames of so many robots do not fit a channel.
 ///
 /// # Errors
 /// [`RootError`] when the configured root cannot be used.
 pub fn describe(
     settings: &ChannelSettings,
     run_id: &str,
-    robots: usize,
+    Extent { robots, objects }: Extent,
 ) -> Result<Vec<ChannelDescription>, RootError> {
     let config = transport_config(&settings.root)?;
-    let description = subscriber_buffer(robots).map(|subscriber_buffer| ChannelDescription {
-        name: "frames".to_owned(),
-        transport: "iceoryx2 0.10".to_owned(),
-        pattern: "publish-subscribe".to_owned(),
-        service: frames_service(run_id),
-        root_path: config.global.root_path().to_string(),
-        prefix: config.global.prefix.to_string(),
-        version: FRAMES_VERSION,
-        payload: RobotState::layout(),
-        header: FrameHeader::layout(),
-        max_frames_per_second: settings.max_frames_per_second,
-        max_subscribers: MAX_SUBSCRIBERS,
-        subscriber_buffer,
-        history: HISTORY,
-        phases: PHASES.map(str::to_owned).to_vec(),
-    });
-    Ok(description.into_iter().collect())
+    let describe = |name: &str, service, payload: TypeLayout, subscriber_buffer| {
+        Some(ChannelDescription {
+            name: name.to_owned(),
+            transport: "iceoryx2 0.10".to_owned(),
+            pattern: "publish-subscribe".to_owned(),
+            service,
+            root_path: config.global.root_path().to_string(),
+            prefix: config.global.prefix.to_string(),
+            version: FRAMES_VERSION,
+            payload,
+            header: FrameHeader::layout(),
+            max_frames_per_second: settings.max_frames_per_second,
+            max_subscribers: MAX_SUBSCRIBERS,
+            subscriber_buffer: subscriber_buffer?,
+            history: HISTORY,
+            phases: PHASES.map(str::to_owned).to_vec(),
+        })
+    };
+    let (service, payload) = (frames_service(run_id), RobotState::layout());
+    let buffer = subscriber_buffer::<RobotState>(robots);
+    let Some(frames) = describe("frames", service, payload, buffer) else {
+        return Ok(Vec::new());
+    };
+    let (service, payload) = (objects_service(run_id), ObjectState::layout());
+    let buffer = (objects > 0).then(|| subscriber_buffer::<ObjectState>(objects));
+    let objects = describe("objects", service, payload, buffer.flatten());
+    Ok(std::iter::once(frames).chain(objects).collect())
 }

@@ -1,9 +1,13 @@
 //! The publishing end: the transport's ports, owned by the one thread that uses them.
 
+use std::fmt::Debug;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use api::frames::{FrameHeader, RobotState, RootError, frames_service, transport_config};
+use api::frames::{
+    FrameHeader, ObjectState, RobotState, RootError, frames_service, objects_service,
+    transport_config,
+};
 use iceoryx2::node::NodeCreationFailure;
 use iceoryx2::port::publisher::{Publisher, PublisherCreateError};
 use iceoryx2::port::update_connections::{ConnectionFailure, UpdateConnections};
@@ -13,6 +17,7 @@ use iceoryx2::service::builder::publish_subscribe::PublishSubscribeOpenOrCreateE
 use iceoryx2::service::port_factory::PortFactory as _;
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 
+use super::Extent;
 use super::slot::{Frame, Slot, Taken};
 
 /// Most readers of one channel at once.
@@ -91,40 +96,30 @@ pub(super) enum FrameError {
     Connect(ConnectionFailure),
 }
 
-/// Frames that a reader may lag behind in a run of so many robots: as many as fit, up to
+/// Frames that a reader may lag behind where each shows so many of `T`: as many as fit, up to
 /// [`LARGEST_BUFFER`]; `None` when not even one does.
-pub(super) fn subscriber_buffer(robots: usize) -> Option<usize> {
-    let frame_bytes = robots.max(1).checked_mul(size_of::<RobotState>())?;
+pub(super) fn subscriber_buffer<T>(count: usize) -> Option<usize> {
+    let frame_bytes = count.max(1).checked_mul(size_of::<T>())?;
     let samples = (LARGEST_CHANNEL_BYTES / frame_bytes).checked_sub(HISTORY + LOANED)?;
     let buffer = (samples / MAX_SUBSCRIBERS).checked_sub(BORROWED)?;
     (buffer > 0).then_some(buffer.min(LARGEST_BUFFER))
 }
 
-/// A run's ports. Fields are dropped in this order: publisher, service, node.
-pub(super) struct Ports {
-    publisher: Publisher<ipc::Service, [RobotState], FrameHeader>,
-    service: PortFactory<ipc::Service, [RobotState], FrameHeader>,
-    node: Node<ipc::Service>,
-    sent: u64,
+/// One channel of a run. Fields are dropped in this order.
+struct Channel<T: Copy + Debug + ZeroCopySend + 'static> {
+    publisher: Publisher<ipc::Service, [T], FrameHeader>,
+    service: PortFactory<ipc::Service, [T], FrameHeader>,
 }
 
-impl Ports {
-    /// Opens the channel `swarm/<run>/frames` under `root`.
-    pub(super) fn open(root: &Path, run_id: &str, robots: usize) -> Result<Self, ChannelError> {
-        let config = transport_config(root)?;
-        let buffer = subscriber_buffer(robots).ok_or(ChannelError::TooLarge { robots })?;
-        create_private_folder(root)?;
-        let name = frames_service(run_id);
-        let name =
-            ServiceName::new(&name).map_err(|_| ChannelError::Name(frames_service(run_id)))?;
-        let node = NodeBuilder::new()
-            .config(&config)
-            .signal_handling_mode(SignalHandlingMode::Disabled)
-            .create::<ipc::Service>()
-            .map_err(ChannelError::Node)?;
+impl<T: Copy + Debug + ZeroCopySend + 'static> Channel<T> {
+    /// Opens the channel of this name for slices of about this length.
+    fn open(node: &Node<ipc::Service>, name: &str, length: usize) -> Result<Self, ChannelError> {
+        let buffer =
+            subscriber_buffer::<T>(length).ok_or(ChannelError::TooLarge { robots: length })?;
+        let name = ServiceName::new(name).map_err(|_| ChannelError::Name(name.to_owned()))?;
         let service = node
             .service_builder(&name)
-            .publish_subscribe::<[RobotState]>()
+            .publish_subscribe::<[T]>()
             .user_header::<FrameHeader>()
             // Without overflow a reader that died would hold its frames and stop the publisher.
             .enable_safe_overflow(true)
@@ -141,7 +136,7 @@ impl Ports {
         let _ = node.blocking_cleanup_dead_nodes(CLEAN_UP_LIMIT);
         let publisher = service
             .publisher_builder()
-            .initial_max_slice_len(robots.max(1))
+            .initial_max_slice_len(length.max(1))
             .allocation_strategy(AllocationStrategy::PowerOfTwo)
             .max_loaned_samples(LOANED)
             .backpressure_strategy(BackpressureStrategy::DiscardData)
@@ -150,9 +145,58 @@ impl Ports {
                 PublisherCreateError::ExceedsMaxSupportedPublishers => ChannelError::Taken,
                 error => ChannelError::Publisher(error),
             })?;
+        Ok(Self { publisher, service })
+    }
+
+    fn send(&self, header: FrameHeader, slice: &[T]) -> Result<(), FrameError> {
+        let sample = self
+            .publisher
+            .loan_slice_uninit(slice.len())
+            .map_err(FrameError::Loan)?;
+        let mut sample = sample.write_from_slice(slice);
+        *sample.user_header_mut() = header;
+        sample.send().map_err(FrameError::Send)?;
+        Ok(())
+    }
+
+    /// A silent channel, of a paused run perhaps, still gives new readers its history.
+    fn greet(&self) -> Result<(), FrameError> {
+        self.publisher
+            .update_connections()
+            .map_err(FrameError::Connect)
+    }
+
+    fn is_watched(&self) -> bool {
+        self.service.dynamic_config().number_of_subscribers() > 0
+    }
+}
+
+/// A run's ports. The node is dropped last.
+pub(super) struct Ports {
+    /// Where the run has movable objects.
+    objects: Option<Channel<ObjectState>>,
+    robots: Channel<RobotState>,
+    node: Node<ipc::Service>,
+    sent: u64,
+}
+
+impl Ports {
+    /// Opens the channel `swarm/<run>/frames` under `root`, and before it `swarm/<run>/objects` where
+    /// there are objects: whoever finds the frames finds the objects.
+    pub(super) fn open(root: &Path, run_id: &str, extent: Extent) -> Result<Self, ChannelError> {
+        let config = transport_config(root)?;
+        create_private_folder(root)?;
+        let node = NodeBuilder::new()
+            .config(&config)
+            .signal_handling_mode(SignalHandlingMode::Disabled)
+            .create::<ipc::Service>()
+            .map_err(ChannelError::Node)?;
+        let objects = (extent.objects > 0)
+            .then(|| Channel::open(&node, &objects_service(run_id), extent.objects))
+            .transpose()?;
         Ok(Self {
-            publisher,
-            service,
+            objects,
+            robots: Channel::open(&node, &frames_service(run_id), extent.robots)?,
             node,
             sent: 0,
         })
@@ -166,11 +210,7 @@ impl Ports {
         loop {
             let done = match slot.take(&mut frame, TICK) {
                 Taken::Fresh => self.send(&mut frame),
-                // A silent channel, of a paused run perhaps, still gives new readers its history.
-                Taken::Nothing => self
-                    .publisher
-                    .update_connections()
-                    .map_err(FrameError::Connect),
+                Taken::Nothing => self.greet(),
                 Taken::Closed => return,
             };
             match done {
@@ -181,7 +221,8 @@ impl Ports {
                     tracing::warn!(%error, "a frame was lost; further losses are not reported");
                 }
             }
-            slot.set_watched(self.service.dynamic_config().number_of_subscribers() > 0);
+            let objects_watched = self.objects.as_ref().is_some_and(Channel::is_watched);
+            slot.set_watched(self.robots.is_watched() || objects_watched);
             if cleaned_at.elapsed() >= CLEAN_UP_EVERY {
                 let _ = self.node.try_cleanup_dead_nodes();
                 cleaned_at = Instant::now();
@@ -189,15 +230,18 @@ impl Ports {
         }
     }
 
+    fn greet(&self) -> Result<(), FrameError> {
+        self.objects.as_ref().map_or(Ok(()), Channel::greet)?;
+        self.robots.greet()
+    }
+
+    /// Sends objects before robots, so that whoever has the robots of a moment can have its objects.
     fn send(&mut self, frame: &mut Frame) -> Result<(), FrameError> {
         frame.header.sequence = self.sent;
-        let sample = self
-            .publisher
-            .loan_slice_uninit(frame.robots.len())
-            .map_err(FrameError::Loan)?;
-        let mut sample = sample.write_from_slice(&frame.robots);
-        *sample.user_header_mut() = frame.header;
-        sample.send().map_err(FrameError::Send)?;
+        if let Some(objects) = &self.objects {
+            objects.send(frame.header, &frame.objects)?;
+        }
+        self.robots.send(frame.header, &frame.robots)?;
         self.sent += 1;
         Ok(())
     }
@@ -221,13 +265,13 @@ mod tests {
 
     #[test]
     fn buffers_shrink_as_swarms_grow() {
-        assert_eq!(subscriber_buffer(0), Some(LARGEST_BUFFER));
-        assert_eq!(subscriber_buffer(1_000), Some(LARGEST_BUFFER));
-        let large = subscriber_buffer(100_000);
+        assert_eq!(subscriber_buffer::<RobotState>(0), Some(LARGEST_BUFFER));
+        assert_eq!(subscriber_buffer::<RobotState>(1_000), Some(LARGEST_BUFFER));
+        let large = subscriber_buffer::<RobotState>(100_000);
         assert!(
             large.is_some_and(|frames| (1..LARGEST_BUFFER).contains(&frames)),
             "{large:?}"
         );
-        assert_eq!(subscriber_buffer(10_000_000), None);
+        assert_eq!(subscriber_buffer::<RobotState>(10_000_000), None);
     }
 }

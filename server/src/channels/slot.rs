@@ -5,7 +5,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::Duration;
 
-use api::frames::{FrameHeader, RobotState};
+use api::frames::{FrameHeader, ObjectState, RobotState};
+
+use super::Extent;
 
 /// A frame in ordinary memory.
 #[derive(Debug, Default)]
@@ -14,6 +16,8 @@ pub(super) struct Frame {
     pub(super) header: FrameHeader,
     /// Every robot, in order of its number.
     pub(super) robots: Vec<RobotState>,
+    /// Every movable object, in the order of the arena's.
+    pub(super) objects: Vec<ObjectState>,
 }
 
 /// What the publishing thread finds in the slot.
@@ -43,10 +47,11 @@ struct State {
 }
 
 impl Slot {
-    /// An empty slot with room for frames of so many robots.
-    pub(super) fn with_room_for(robots: usize) -> Self {
+    /// An empty slot with room for frames of this extent.
+    pub(super) fn with_room_for(extent: Extent) -> Self {
         let slot = Self::default();
-        slot.lock().frame.robots.reserve(robots);
+        slot.lock().frame.robots.reserve(extent.robots);
+        slot.lock().frame.objects.reserve(extent.objects);
         slot
     }
 

@@ -1,17 +1,26 @@
 //! Channels against real shared memory: each test has a root path, and so a name space, of its own.
 #![allow(clippy::unwrap_used)]
 
+mod objects;
+
+use std::fmt::Debug;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
 use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::prelude::*;
 use iceoryx2::sample::Sample;
+use iceoryx2::service::builder::publish_subscribe::PublishSubscribeOpenError;
 use iceoryx2::service::port_factory::publish_subscribe;
 
 use super::*;
 
-type FrameSample = Sample<ipc::Service, [RobotState], FrameHeader>;
+type FrameSample<T> = Sample<ipc::Service, [T], FrameHeader>;
+
+/// Only robots, so many.
+fn robots(robots: usize) -> Extent {
+    Extent { robots, objects: 0 }
+}
 
 /// A temporary root; removes what the transport left behind, in shared memory too.
 struct Root {
@@ -56,35 +65,45 @@ impl Drop for Root {
     }
 }
 
-struct Reader {
-    subscriber: Subscriber<ipc::Service, [RobotState], FrameHeader>,
-    service: publish_subscribe::PortFactory<ipc::Service, [RobotState], FrameHeader>,
+struct Reader<T: Copy + Debug + ZeroCopySend + 'static = RobotState> {
+    subscriber: Subscriber<ipc::Service, [T], FrameHeader>,
+    service: publish_subscribe::PortFactory<ipc::Service, [T], FrameHeader>,
     _node: Node<ipc::Service>,
 }
 
 impl Reader {
     fn open(settings: &ChannelSettings, run_id: &str) -> Self {
+        Self::of_service(settings, &frames_service(run_id)).unwrap()
+    }
+}
+
+impl<T: Copy + Debug + ZeroCopySend + 'static> Reader<T> {
+    /// `None` where there is no such service.
+    fn of_service(settings: &ChannelSettings, name: &str) -> Option<Self> {
         let node = NodeBuilder::new()
             .config(&transport_config(&settings.root).unwrap())
             .signal_handling_mode(SignalHandlingMode::Disabled)
             .create::<ipc::Service>()
             .unwrap();
         let service = node
-            .service_builder(&ServiceName::new(&frames_service(run_id)).unwrap())
-            .publish_subscribe::<[RobotState]>()
+            .service_builder(&ServiceName::new(name).unwrap())
+            .publish_subscribe::<[T]>()
             .user_header::<FrameHeader>()
-            .open()
-            .unwrap();
+            .open();
+        let service = match service {
+            Err(PublishSubscribeOpenError::DoesNotExist) => return None,
+            service => service.unwrap(),
+        };
         let subscriber = service.subscriber_builder().create().unwrap();
-        Self {
+        Some(Self {
             subscriber,
             service,
             _node: node,
-        }
+        })
     }
 
     /// The next frame that the condition holds for.
-    fn wait_for(&self, wanted: impl Fn(&FrameSample) -> bool) -> FrameSample {
+    fn wait_for(&self, wanted: impl Fn(&FrameSample<T>) -> bool) -> FrameSample<T> {
         eventually("a frame", || {
             self.subscriber
                 .receive()
@@ -144,13 +163,14 @@ fn info(step: u64) -> FrameInfo {
 }
 
 fn offer(publisher: &mut FramePublisher, step: u64, robots: usize) {
-    publisher.offer_bodies(&bodies(step, robots), &info(step));
+    let (bodies, objects) = (bodies(step, robots), Objects::default());
+    publisher.offer_moment(&bodies, &objects, &info(step));
 }
 
 #[test]
 fn readers_see_what_was_offered() {
     let root = Root::new();
-    let mut publisher = FramePublisher::open(&root.settings, "run", 2).unwrap();
+    let mut publisher = FramePublisher::open(&root.settings, "run", robots(2)).unwrap();
     let reader = Reader::open(&root.settings, "run");
     offer(&mut publisher, 500, 2);
     let frame = reader.wait_for(|_| true);
@@ -172,7 +192,7 @@ fn readers_see_what_was_offered() {
 #[test]
 fn a_late_reader_of_a_silent_channel_gets_the_last_frame() {
     let root = Root::new();
-    let mut publisher = FramePublisher::open(&root.settings, "run", 1).unwrap();
+    let mut publisher = FramePublisher::open(&root.settings, "run", robots(1)).unwrap();
     offer(&mut publisher, 41, 1);
     std::thread::sleep(Duration::from_millis(200));
     let reader = Reader::open(&root.settings, "run");
@@ -183,7 +203,7 @@ fn a_late_reader_of_a_silent_channel_gets_the_last_frame() {
 #[test]
 fn the_last_frame_arrives_although_the_channel_closes() {
     let root = Root::new();
-    let mut publisher = FramePublisher::open(&root.settings, "run", 1).unwrap();
+    let mut publisher = FramePublisher::open(&root.settings, "run", robots(1)).unwrap();
     let reader = Reader::open(&root.settings, "run");
     offer(&mut publisher, 1, 1);
     reader.wait_for(|frame| frame.user_header().arena_step == 1);
@@ -195,7 +215,7 @@ fn the_last_frame_arrives_although_the_channel_closes() {
 #[test]
 fn frames_may_outgrow_the_first_length() {
     let root = Root::new();
-    let mut publisher = FramePublisher::open(&root.settings, "run", 1).unwrap();
+    let mut publisher = FramePublisher::open(&root.settings, "run", robots(1)).unwrap();
     let reader = Reader::open(&root.settings, "run");
     for (step, robots) in [(1, 1), (2, 3), (3, 1_000), (4, 20_000), (5, 2)] {
         offer(&mut publisher, step, robots);
@@ -209,7 +229,8 @@ fn frames_may_outgrow_the_first_length() {
 fn two_runs_have_channels_of_their_own() {
     let root = Root::new();
     let names = ["first", "second"];
-    let mut publishers = names.map(|name| FramePublisher::open(&root.settings, name, 1).unwrap());
+    let mut publishers =
+        names.map(|name| FramePublisher::open(&root.settings, name, robots(1)).unwrap());
     let readers = names.map(|name| Reader::open(&root.settings, name));
     // Long enough that each has searched for dead nodes and must not have found the other.
     let started = Instant::now();
@@ -228,13 +249,13 @@ fn two_runs_have_channels_of_their_own() {
 #[test]
 fn a_run_has_one_publisher_at_a_time() {
     let root = Root::new();
-    let first = FramePublisher::open(&root.settings, "run", 1).unwrap();
+    let first = FramePublisher::open(&root.settings, "run", robots(1)).unwrap();
     let reader = Reader::open(&root.settings, "run");
-    let error = FramePublisher::open(&root.settings, "run", 1).unwrap_err();
+    let error = FramePublisher::open(&root.settings, "run", robots(1)).unwrap_err();
     assert!(matches!(error, ChannelError::Taken), "{error}");
     drop(first);
     // The reader goes on when the run is paused and resumed.
-    let mut second = FramePublisher::open(&root.settings, "run", 1).unwrap();
+    let mut second = FramePublisher::open(&root.settings, "run", robots(1)).unwrap();
     offer(&mut second, 9, 1);
     reader.wait_for(|frame| frame.user_header().arena_step == 9);
 }
@@ -245,7 +266,7 @@ const CLEAN_UPS: Duration = Duration::from_millis(2_500);
 #[test]
 fn frames_are_rationed() {
     let root = Root::new();
-    let mut publisher = FramePublisher::open(&root.settings, "run", 1).unwrap();
+    let mut publisher = FramePublisher::open(&root.settings, "run", robots(1)).unwrap();
     assert!(publisher.is_due(), "the first frame is sent at once");
     offer(&mut publisher, 1, 1);
     assert!(
@@ -275,33 +296,33 @@ fn frames_are_rationed() {
 fn a_channel_that_cannot_be_opened_is_a_warning() {
     let root = Root::new();
     std::fs::write(&root.settings.root, "a file, not a folder").unwrap();
-    let error = FramePublisher::open(&root.settings, "run", 1).unwrap_err();
+    let error = FramePublisher::open(&root.settings, "run", robots(1)).unwrap_err();
     assert!(matches!(error, ChannelError::Folder { .. }), "{error}");
-    assert!(FramePublisher::open_or_warn(&root.settings, "run", 1).is_none());
+    assert!(FramePublisher::open_or_warn(&root.settings, "run", robots(1)).is_none());
     let relative = ChannelSettings {
         root: "channels".into(),
         ..root.settings.clone()
     };
-    assert!(FramePublisher::open_or_warn(&relative, "run", 1).is_none());
+    assert!(FramePublisher::open_or_warn(&relative, "run", robots(1)).is_none());
     let endless = "x".repeat(5_000);
     let usable = ChannelSettings {
         root: root.folder.path().join("ok"),
         ..root.settings.clone()
     };
-    assert!(FramePublisher::open_or_warn(&usable, &endless, 1).is_none());
-    assert!(FramePublisher::open_or_warn(&usable, "run", 100_000_000).is_none());
+    assert!(FramePublisher::open_or_warn(&usable, &endless, robots(1)).is_none());
+    assert!(FramePublisher::open_or_warn(&usable, "run", robots(100_000_000)).is_none());
 }
 
 #[test]
 fn descriptions_match_the_channel() {
     let root = Root::new();
-    let channels = describe(&root.settings, "run", 1).unwrap();
+    let channels = describe(&root.settings, "run", robots(1)).unwrap();
     let frames = &channels[0];
     assert_eq!(frames.service, "swarm/run/frames");
     assert_eq!(Path::new(&frames.root_path), root.settings.root);
     assert_eq!(frames.payload.size_bytes, size_of::<RobotState>());
     assert!(
-        describe(&root.settings, "run", 100_000_000)
+        describe(&root.settings, "run", robots(100_000_000))
             .unwrap()
             .is_empty()
     );
@@ -350,7 +371,7 @@ fn start_reader_process(root: &Path) -> Child {
 #[test]
 fn a_reader_that_is_killed_does_not_hold_up_the_others() {
     let root = Root::new();
-    let mut publisher = FramePublisher::open(&root.settings, "run", 100).unwrap();
+    let mut publisher = FramePublisher::open(&root.settings, "run", robots(100)).unwrap();
     let reader = Reader::open(&root.settings, "run");
     let mut doomed = start_reader_process(&root.settings.root);
     let readers = || reader.service.dynamic_config().number_of_subscribers();

@@ -14,7 +14,7 @@ use super::checkpoint::{Checkpoint, Spent};
 use super::progress::Meter;
 use super::{Failure, output};
 use crate::artifacts::{self, Finished, Timing};
-use crate::channels::{ChannelSettings, FramePublisher};
+use crate::channels::{ChannelSettings, Extent, FramePublisher};
 use crate::spec::{self, BuiltinArenas, ResolvedRun};
 
 /// Wall time of a block of steps, after which progress is shown, frames are offered and signals are
@@ -221,8 +221,8 @@ fn open_frames(spec: &ResolvedRun) -> Option<FramePublisher> {
     if !spec.channels() {
         return None;
     }
-    let (key, robots) = (spec.key(), spec.run_spec().robots as usize);
-    let frames = FramePublisher::open_or_warn(&ChannelSettings::default(), &key, robots)?;
+    let (key, extent) = (spec.key(), Extent::of(&spec.run_spec()));
+    let frames = FramePublisher::open_or_warn(&ChannelSettings::default(), &key, extent)?;
     tracing::info!("frames are on {}", api::frames::frames_service(&key));
     Some(frames)
 }

@@ -9,7 +9,7 @@ use axum::response::{IntoResponse, Response};
 use super::refusal::Refusal;
 use super::{App, views};
 use crate::artifacts::memory_plan;
-use crate::channels::describe;
+use crate::channels::{Extent, describe};
 use crate::scheduler::StoredArenas;
 use crate::spec::{ResolvedRun, parse, resolve};
 use crate::store::RunView;
@@ -68,8 +68,7 @@ pub async fn channels(State(app): State<App>, Path(id): Path<String>) -> Result<
     app.blocking(move |app| {
         let run = resolved(app, &found(app, &id)?)?;
         let channels = if run.channels() {
-            let robots = run.run_spec().robots as usize;
-            describe(app.scheduler.channels(), &id, robots)
+            describe(app.scheduler.channels(), &id, Extent::of(&run.run_spec()))
                 .map_err(|error| Refusal::internal(&error))?
         } else {
             Vec::new()

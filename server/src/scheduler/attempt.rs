@@ -10,7 +10,7 @@ use swarm::run::{Phase, Progress, Run};
 use super::live::{LiveRun, Speed, View, coverage_of};
 use super::pace::Pace;
 use crate::artifacts::{run_result, thread_cpu_s};
-use crate::channels::{ChannelSettings, FramePublisher};
+use crate::channels::{ChannelSettings, Extent, FramePublisher};
 use crate::spec::{ResolvedRun, parse, resolve};
 use crate::store::{Checkpoint, ClaimedRun, Finished, Position, Store};
 
@@ -48,10 +48,10 @@ pub fn attempt(
         Ok(run) => run,
         Err(errors) => return Ended::Failed(spec_failure(errors)),
     };
-    let robots = resolved.run_spec().robots as usize;
+    let extent = Extent::of(&resolved.run_spec());
     let mut frames = resolved
         .channels()
-        .then(|| FramePublisher::open_or_warn(channels, &claimed.id, robots))
+        .then(|| FramePublisher::open_or_warn(channels, &claimed.id, extent))
         .flatten();
     let mut progress = run.progress();
     let done_before = progress.robot_steps_done;

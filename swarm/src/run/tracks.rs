@@ -144,6 +144,11 @@ impl Run {
         tracks
     }
 
+    /// Movable objects of the arena that robots are in right now.
+    pub fn objects_here(&self) -> &Objects {
+        &self.venues[self.venue()].world.state().objects
+    }
+
     /// What became of the movable objects of the target arena.
     pub fn objects(&self) -> Vec<ObjectOutcome> {
         let made = self.spec.arena.objects().iter();
