@@ -32,6 +32,9 @@ pub struct Finished {
     pub cpu_ns_per_robot_step: Option<f64>,
 }
 
+/// Coverage, metrics and objects of a result; the last two are younger than the first.
+type Blobs = (Vec<u8>, Option<Vec<u8>>, Option<Vec<u8>>);
+
 fn read<T: serde::de::DeserializeOwned>(what: &'static str, blob: &[u8]) -> Result<T, StoreError> {
     postcard::from_bytes(blob).map_err(|error| StoreError::unreadable(what, error))
 }
@@ -54,7 +57,7 @@ impl Store {
     /// # Errors
     /// When the database fails or holds what cannot be read.
     pub fn coverage(&self, run: RunSeq) -> Result<Option<Coverage>, StoreError> {
-        let blobs: Option<(Vec<u8>, Option<Vec<u8>>, Option<Vec<u8>>)> = self
+        let blobs: Option<Blobs> = self
             .connection()
             .prepare_cached("SELECT coverage, metrics, objects FROM results WHERE run = ?1")?
             .query_row([run], |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?)))

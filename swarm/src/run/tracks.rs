@@ -108,12 +108,9 @@ impl Tracks {
     /// Drops every second moment.
     fn halve(&mut self) {
         let objects = self.objects();
-        let mut places = 0_usize..;
-        self.times
-            .retain(|_| places.next().is_some_and(|place| place % 2 == 0));
-        let mut places = 0_usize..;
-        self.samples
-            .retain(|_| places.next().is_some_and(|place| place / objects % 2 == 0));
+        self.times = self.times.iter().copied().step_by(2).collect();
+        let moments = self.samples.chunks_exact(objects).step_by(2);
+        self.samples = moments.flatten().copied().collect();
         self.halvings += 1;
     }
 }
