@@ -4,6 +4,7 @@
 use std::fs;
 use std::path::Path;
 
+use rusqlite::{Connection, OpenFlags};
 use tests::command;
 use tests::wait;
 
@@ -31,12 +32,18 @@ fn start(home: &Path, out: &str) -> std::process::Child {
     command::start(&arguments, home)
 }
 
-/// Runs that are complete: directories named by the whole of a run's key.
-fn complete(out: &Path) -> usize {
-    fs::read_dir(out.join("runs")).map_or(0, |entries| {
-        let names = entries.flatten().map(|entry| entry.file_name());
-        names.filter(|name| name.len() == 64).count()
-    })
+/// Runs in all and runs that are done, by the database that a service could be started on.
+fn runs(out: &Path) -> Option<[u32; 2]> {
+    let database = out.join("data").join("evswarm.sqlite3");
+    let flags = OpenFlags::SQLITE_OPEN_READ_ONLY;
+    let connection = Connection::open_with_flags(database, flags).ok()?;
+    let counts = "SELECT count(*), count(*) FILTER (WHERE state = 'done') FROM runs";
+    let count = |row: &rusqlite::Row<'_>| Ok([row.get(0)?, row.get(1)?]);
+    connection.query_row(counts, [], count).ok()
+}
+
+fn done(out: &Path) -> u32 {
+    runs(out).map_or(0, |[_, done]| done)
 }
 
 #[test]
@@ -45,15 +52,16 @@ fn a_killed_reproduction_ends_in_the_same_report() {
     let whole = command::finish(start(home.path(), "whole"));
     assert_eq!(whole.code, Some(0), "{whole:?}");
     assert!(whole.stdout.contains("claim 10:"), "{whole:?}");
-    let runs = complete(&home.path().join("whole"));
+    let [all, finished] = runs(&home.path().join("whole")).unwrap();
+    assert_eq!(all, finished);
 
     let out = home.path().join("killed");
     let mut child = start(home.path(), "killed");
-    wait::until("some runs", || (complete(&out) >= runs / 2).then_some(()));
+    wait::until("some runs", || (done(&out) >= all / 2).then_some(()));
     child.kill().unwrap();
     let killed = command::finish(child);
     assert_eq!(killed.code, None, "it was done too soon");
-    assert!(complete(&out) < runs && !out.join("report.md").exists());
+    assert!(done(&out) < all && !out.join("report.md").exists());
 
     let resumed = command::finish(start(home.path(), "killed"));
     assert_eq!(resumed.code, Some(0), "{resumed:?}");

@@ -1,4 +1,5 @@
-//! What is dear to compute and asked for again: pictures, and the squares that a robot can reach.
+//! What is dear to compute and asked for again: pictures, the squares that a robot can reach, and
+//! reports.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -7,17 +8,25 @@ use axum::body::Bytes;
 use hashlink::LruCache;
 use sha2::{Digest, Sha256};
 
+use crate::reproduce::Report;
+use crate::store::JobSeq;
+
 /// Pictures kept, of some 50 kB each.
 const PICTURES: usize = 128;
 /// Masks kept, of a byte a square.
 const MASKS: usize = 64;
 
+/// Reports kept, of some megabytes each.
+const REPORTS: usize = 4;
+
 type Key = [u8; 32];
 
-/// The latest pictures and masks; the least recently used give way.
+/// The latest pictures, masks and reports; the least recently used give way.
 pub struct Pictures {
     pngs: Mutex<LruCache<Key, Bytes>>,
     masks: Mutex<LruCache<Key, Option<Arc<[bool]>>>>,
+    /// Of jobs that are done: these do not change, and no job's number is used again.
+    reports: Mutex<LruCache<JobSeq, Arc<Report>>>,
 }
 
 impl Default for Pictures {
@@ -25,6 +34,7 @@ impl Default for Pictures {
         Self {
             pngs: Mutex::new(LruCache::new(PICTURES)),
             masks: Mutex::new(LruCache::new(MASKS)),
+            reports: Mutex::new(LruCache::new(REPORTS)),
         }
     }
 }
@@ -38,6 +48,20 @@ impl Pictures {
             hash.update(count.to_le_bytes());
         }
         kept(&self.pngs, hash.finalize().into(), || draw().into())
+    }
+
+    /// The report of this job, made only if it is not kept, and kept only if it can be made.
+    pub fn report<E>(
+        &self,
+        job: JobSeq,
+        make: impl FnOnce() -> Result<Report, E>,
+    ) -> Result<Arc<Report>, E> {
+        if let Some(report) = lock(&self.reports).get(&job) {
+            return Ok(Arc::clone(report));
+        }
+        let report = Arc::new(make()?);
+        lock(&self.reports).insert(job, Arc::clone(&report));
+        Ok(report)
     }
 
     /// The squares that a robot of this radius can reach from the arena's first start.
@@ -62,6 +86,6 @@ fn kept<V: Clone>(cache: &Mutex<LruCache<Key, V>>, key: Key, make: impl FnOnce()
     value
 }
 
-fn lock<V>(cache: &Mutex<LruCache<Key, V>>) -> MutexGuard<'_, LruCache<Key, V>> {
+fn lock<K, V>(cache: &Mutex<LruCache<K, V>>) -> MutexGuard<'_, LruCache<K, V>> {
     cache.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -6,6 +6,7 @@ mod arenas;
 mod attempt;
 mod live;
 mod pace;
+mod progress;
 mod queue;
 mod submission;
 #[cfg(test)]
@@ -144,6 +145,19 @@ impl Scheduler {
             self.shared.state().queue.remove(job);
             self.shared.let_go(&changed, intent == Intent::Cancelled);
         }
+        Ok(())
+    }
+
+    /// Makes the failed and cancelled runs of a job wait again; see [`Store::retry`].
+    ///
+    /// # Errors
+    /// When the store fails.
+    pub fn retry(&self, job: JobSeq) -> Result<(), StoreError> {
+        let _changing = self.changing();
+        self.shared.store.retry(job)?;
+        let waiting = self.shared.store.waiting(job)?;
+        self.shared.state().queue.set(job, waiting);
+        self.shared.changed.notify_all();
         Ok(())
     }
 

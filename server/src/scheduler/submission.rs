@@ -7,12 +7,11 @@ use crate::store::{JobRequest, NewJob, NewRun};
 
 /// The job with its runs, and the request that it came in.
 pub fn new_job(job: ExpandedJob, request: JobRequest) -> NewJob {
-    let runs = job.runs.iter().enumerate();
+    let runs = job.runs.iter().zip(&job.labels);
     NewJob {
-        runs: runs
-            .map(|(place, run)| new_run(run, job.label(place)))
-            .collect(),
-        design: job.design(),
+        runs: runs.map(|(run, label)| new_run(run, label)).collect(),
+        // Strings and JSON values: JSON can hold all of them.
+        design: serde_json::to_string(&job.designs).unwrap_or_default(),
         name: job.name,
         request,
     }

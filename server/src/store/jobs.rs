@@ -261,6 +261,30 @@ impl Store {
         Ok(changed)
     }
 
+    /// Makes the failed and cancelled runs of a job wait again, from their beginning, and the job
+    /// active.
+    ///
+    /// # Errors
+    /// When the database fails; nothing is changed then.
+    pub fn retry(&self, seq: JobSeq) -> Result<(), StoreError> {
+        let mut connection = self.connection();
+        let transaction = connection.transaction()?;
+        transaction
+            .prepare_cached("UPDATE jobs SET intent = 'active' WHERE seq = ?1")?
+            .execute([seq])?;
+        transaction
+            .prepare_cached(
+                "UPDATE runs SET state = 'queued', reason = NULL, phase = NULL,
+                    epochs_done = 0, robot_steps_done = 0
+                 WHERE state IN ('failed', 'cancelled')
+                    AND seq IN (SELECT run FROM job_runs WHERE job = ?1)",
+            )?
+            .execute([seq])?;
+        settle(&transaction, seq)?;
+        transaction.commit()?;
+        Ok(())
+    }
+
     /// Deletes a job, and its runs and results that no other job has. Returns the runs whose state
     /// changed or that are gone.
     ///

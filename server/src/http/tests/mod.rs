@@ -3,6 +3,7 @@
 
 mod access;
 mod jobs;
+mod report;
 
 use std::num::NonZeroUsize;
 use std::time::{Duration, Instant};
