@@ -4,9 +4,11 @@
 use std::fs;
 use std::path::Path;
 
+use api::{Job, State};
 use rusqlite::{Connection, OpenFlags};
-use tests::command;
-use tests::wait;
+use serde_json::{Value, json};
+use tests::server::Server;
+use tests::{command, wait};
 
 /// All that the report consists of.
 const FILES: [&str; 4] = ["runs.csv", "claims.json", "report.md", "report.html"];
@@ -69,5 +71,48 @@ fn a_killed_reproduction_ends_in_the_same_report() {
     for name in FILES {
         let of = |out: &str| fs::read(home.path().join(out).join(name)).unwrap();
         assert!(of("whole") == of("killed"), "{name} differs");
+    }
+    the_same_over_http(&out);
+}
+
+/// A service on the same data gives the same report, of that job and of the same one posted to it.
+fn the_same_over_http(out: &Path) {
+    let server = Server::start(out);
+    let methods = server.get("/v1/controllers").json::<Value>()["methods"].clone();
+    let names = methods
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|method| method["name"].clone());
+    let job = json!({
+        "base": { "epochs": 40 },
+        "seeds": { "first": 1, "count": 2 },
+        "parts": [
+            { "matrix": { "arena": ["easy"], "controller.method": names.collect::<Value>() } },
+            {
+                "base": { "engine": "rapier" },
+                "matrix": {
+                    "arena": ["easy"], "controller.method": ["im", "ev-iter-c", "curiosity-a"]
+                },
+                "seeds": [1]
+            }
+        ]
+    });
+    let posted = server.post("/v1/jobs", &job);
+    assert_eq!(posted.status, 201, "{}", posted.text());
+    let posted: Job = posted.json();
+    assert_eq!(
+        (posted.state, posted.runs.done),
+        (State::Done, posted.runs.total)
+    );
+    for id in ["1", &posted.id] {
+        for (file, suffix) in FILES.iter().zip([".csv", "", ".md", ".html"]) {
+            let answer = server.get(&format!("/v1/jobs/{id}/report{suffix}"));
+            assert_eq!(answer.status, 200, "{}", answer.text());
+            assert!(
+                answer.body == fs::read(out.join(file)).unwrap(),
+                "{file} of job {id} differs"
+            );
+        }
     }
 }

@@ -188,18 +188,15 @@ fn finish(
         channels: ChannelSettings::default(),
     };
     let scheduler = Scheduler::start(Arc::clone(store), config)?;
-    let begin = scheduler.progress(&find(store, job.seq)?);
-    let total = begin.robot_steps_total;
-    let mut meter = Meter::new("robot-steps", total, begin.robot_steps_done);
+    let done = |view: &JobView| scheduler.progress(view).fraction;
+    let mut meter = Meter::of_share(done(&find(store, job.seq)?));
     let state = loop {
         let view = find(store, job.seq)?;
         let state = view.intent.job_state(&view.counts);
         if state.is_final() || stop.load(Ordering::SeqCst) {
             break state;
         }
-        let done = scheduler.progress(&view).robot_steps_done;
-        let what = format!("run {}/{runs}", view.counts.done);
-        meter.show(done.min(total), &what);
+        meter.show_share(done(&view), &format!("run {}/{runs}", view.counts.done));
         thread::sleep(LOOK_EVERY);
     };
     meter.finish();

@@ -2,7 +2,7 @@
 
 use api::{Job, Progress, RunSummary, State};
 
-use crate::scheduler::{Scheduler, View};
+use crate::scheduler::{Scheduler, View, share};
 use crate::store::{JobView, Position, RunState, RunView};
 
 /// A job, with the progress of its running runs.
@@ -16,7 +16,7 @@ pub fn job(view: &JobView, scheduler: &Scheduler) -> Job {
         state,
         created_at: view.created_at.clone(),
         runs: view.counts,
-        progress: share(progress.robot_steps_done, progress.robot_steps_total),
+        progress: progress.fraction,
         eta_s: progress.eta_s.filter(|_| running),
         robot_steps_per_s: progress.robot_steps_per_s.filter(|_| running),
     }
@@ -83,13 +83,5 @@ fn stored_progress(position: &Position, view: &RunView) -> Progress {
         fraction: share(position.robot_steps_done, view.robot_steps_total),
         eta_s: None,
         robot_steps_per_s: None,
-    }
-}
-
-fn share(done: u64, total: u64) -> f64 {
-    if total == 0 {
-        0.0
-    } else {
-        (done as f64 / total as f64).min(1.0)
     }
 }

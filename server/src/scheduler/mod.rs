@@ -29,6 +29,7 @@ pub use arenas::StoredArenas;
 use attempt::Ended;
 use live::LiveRun;
 pub use live::View;
+pub use progress::share;
 use queue::FairQueue;
 pub use submission::new_job;
 
