@@ -183,9 +183,12 @@ impl FramePublisher {
     /// Offers the present moment whatever the time since the last one: for a run that pauses or
     /// ends, whose readers should see where it stands.
     pub fn offer_now(&mut self, run: &Run) {
-        let (bodies, info) = (run.robots(), FrameInfo::of(run));
+        self.put_bodies(run.robots(), &FrameInfo::of(run));
+    }
+
+    fn put_bodies(&mut self, bodies: &[Body], info: &FrameInfo) {
         let started = Instant::now();
-        self.slot.put(|frame| fill(frame, bodies, &info));
+        self.slot.put(|frame| fill(frame, bodies, info));
         self.note_copy(started);
     }
 

@@ -143,8 +143,10 @@ fn info(step: u64) -> FrameInfo {
     }
 }
 
+/// Not by `offer_bodies`, which skips a frame while the other side holds the slot: tests wait for
+/// the very frame that they offered.
 fn offer(publisher: &mut FramePublisher, step: u64, robots: usize) {
-    publisher.offer_bodies(&bodies(step, robots), &info(step));
+    publisher.put_bodies(&bodies(step, robots), &info(step));
 }
 
 #[test]
