@@ -5,6 +5,7 @@
 pub mod catalog;
 pub mod frames;
 pub mod job;
+pub mod objects;
 pub mod problem;
 pub mod result;
 pub mod spec;
@@ -15,6 +16,7 @@ pub use catalog::{
     ArenaListing, ControllerListing, MethodListing, ParameterListing, TemplateListing,
 };
 pub use job::{Job, JobPage, RunCounts, RunPage, RunSummary};
+pub use objects::{ObjectSample, ObjectTrack, ObjectTracks};
 pub use problem::{FieldError, Problem};
 pub use result::{
     ClusterCounts, Coverage, CurveRow, Fractions, Memory, MemoryPlan, Metrics, MetricsRow,

@@ -119,6 +119,35 @@ pub fn scaled_arena(robots: u64) -> Result<Arc<Arena>> {
     ))
 }
 
+/// Side of the yard with objects, metres, and objects along it.
+const YARD_M: f64 = 6.0;
+const OBJECTS_ALONG: u32 = 32;
+
+/// A yard with so many boxes and discs, evenly spread.
+fn yard(objects: u32) -> Result<Arc<Arena>> {
+    let places = OBJECTS_ALONG * OBJECTS_ALONG;
+    let objects: Vec<_> = (0..objects)
+        .map(|number| {
+            let place = number * places / objects;
+            let at = |k: u32| (f64::from(k) + 0.5) * YARD_M / f64::from(OBJECTS_ALONG);
+            let (x_m, y_m) = (at(place % OBJECTS_ALONG), at(place / OBJECTS_ALONG));
+            if number % 2 == 0 {
+                serde_json::json!({ "kind": "disc", "x_m": x_m, "y_m": y_m, "radius_m": 0.03 })
+            } else {
+                serde_json::json!({ "kind": "box", "x_m": x_m, "y_m": y_m, "heading_rad": 0.5,
+                    "width_m": 0.06, "height_m": 0.04 })
+            }
+        })
+        .collect();
+    let text = serde_json::json!({
+        "name": "yard", "width_m": YARD_M, "height_m": YARD_M, "walls_m": [], "objects": objects,
+        "starts": [{"x_m": 0.18, "y_m": 0.18, "heading_rad": 0.8}],
+    });
+    Ok(Arc::new(
+        Arena::from_json(&text.to_string()).map_err(refused)?,
+    ))
+}
+
 fn world(
     arena: &Arc<Arena>,
     robots: u64,
@@ -357,6 +386,17 @@ pub fn all() -> Vec<Case> {
         );
         rigid.standard = robots == 1_000;
         cases.push(rigid);
+    }
+    for objects in [0, 100, 1_000] {
+        // Objects are pushed by the rapier engine alone; the other shows what seeing them costs.
+        for (name, engine) in [("objects", Rapier), ("objects-seen", Kinematic)] {
+            let mut pushing = case(format!("{name}/{objects}/brownian"), 100, None, move || {
+                let world = world(&yard(objects)?, 100, Placement::Random, engine)?;
+                Ok(stepped(world, brownians(100)))
+            });
+            pushing.standard = false;
+            cases.push(pushing);
+        }
     }
     cases
 }

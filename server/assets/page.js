@@ -230,7 +230,7 @@ function runCard(run) {
     make("p", { className: "facts" }),
     make("p", { className: "error", hidden: true }),
     make("div", { className: "files" }, [
-      file("spec", "spec"), file("result", "result"), file("curve.csv", "curve.csv"),
+      file("spec", "spec"), file("result", "result"), file("curve.csv", "curve.csv"), file("objects.csv", "objects.csv"),
       file("coverage.svg", "svg"), file("coverage.npy", "npy"), cancel,
     ]),
   ]);
@@ -276,6 +276,7 @@ function updateRunCard(card, run) {
   const kept = !["failed", "cancelled"].includes(run.state);
   for (const link of card.querySelectorAll(".files a")) link.hidden = !kept && link.textContent !== "spec";
   card.querySelector(".files a:nth-child(2)").hidden = run.state !== "done";
+  card.querySelector(".files a:nth-child(4)").hidden = !run.result?.objects?.length;
   if (!kept) card.querySelector("img").removeAttribute("src");
   card.querySelector(".files button").hidden = !["queued", "running", "paused"].includes(run.state);
   card.dataset.id = run.id;

@@ -12,10 +12,12 @@ fn the_readmes_boxes_are_pushed_the_same_way_twice() {
         let out = directory.path().join(name);
         let done = evswarm(&["run", spec, "--out", out.to_str().unwrap()], "");
         assert_eq!(done.code, Some(0), "{done:?}");
-        std::fs::read_to_string(out.join("result.json")).unwrap()
+        let file = |name| std::fs::read_to_string(out.join(name)).unwrap();
+        (file("result.json"), file("objects.csv"))
     };
     let first = result("first");
     assert_eq!(first, result("second"));
+    let (first, over_time) = first;
     let first: Value = serde_json::from_str(&first).unwrap();
     let objects = first["objects"].as_array().unwrap();
     assert_eq!(objects.len(), 3);
@@ -25,4 +27,13 @@ fn the_readmes_boxes_are_pushed_the_same_way_twice() {
         moved_m(1) < moved_m(2),
         "the heavy box moves less: {objects:?}"
     );
+    // The start, 9 tenths and the end of the first 4 epochs, and the other 16.
+    let lines: Vec<&str> = over_time.lines().collect();
+    assert_eq!(lines.len(), 1 + 3 * (1 + 40 + 16));
+    assert_eq!(lines[1], "0,0,0,0.25,0.35,0.4,0");
+    for (line, object) in lines[lines.len() - 3..].iter().zip(objects) {
+        assert!(line.starts_with("40000,20,"), "{line}");
+        let moved_m: f64 = line.rsplit(',').next().unwrap().parse().unwrap();
+        assert_eq!(Some(moved_m), object["moved_m"].as_f64());
+    }
 }

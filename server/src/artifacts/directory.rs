@@ -5,10 +5,12 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use swarm::run::{CurveRow, MetricsLog, Outcome};
+use swarm::run::{CurveRow, MetricsLog, Outcome, Tracks};
 
 use super::timing::Timing;
-use super::{coverage_png, curve_csv, metrics_csv, robots_csv, run_result, visits_npy};
+use super::{
+    coverage_png, curve_csv, metrics_csv, objects_csv, pushed, robots_csv, run_result, visits_npy,
+};
 use crate::spec::ResolvedRun;
 
 /// A finished run.
@@ -24,6 +26,8 @@ pub struct Finished<'a> {
     pub visits: &'a [u32],
     /// Swarm metrics over time.
     pub metrics: &'a MetricsLog,
+    /// Movable objects over time.
+    pub tracks: &'a Tracks,
 }
 
 /// A file that could not be written.
@@ -73,13 +77,14 @@ pub fn is_complete(directory: &Path) -> Option<String> {
     directory.join("result.json").is_file().then_some(spec)
 }
 
-fn files(finished: &Finished<'_>, timing: &Timing) -> [(&'static str, Vec<u8>); 8] {
+fn files(finished: &Finished<'_>, timing: &Timing) -> Vec<(&'static str, Vec<u8>)> {
     let Finished {
         spec,
         outcome,
         curve,
         visits,
         metrics,
+        tracks,
     } = *finished;
     let step_s = spec.step_s();
     let arena = spec.arena();
@@ -90,16 +95,21 @@ fn files(finished: &Finished<'_>, timing: &Timing) -> [(&'static str, Vec<u8>); 
     let mask = reachable
         .as_ref()
         .map(|reachable| reachable.mask.as_slice());
-    [
+    let objects = pushed(spec, tracks);
+    let mut files = vec![
         ("spec.json", spec.canonical_json().into_bytes()),
         ("result.json", json(&run_result(outcome))),
         ("curve.csv", curve_csv(curve).into_bytes()),
         ("metrics.csv", metrics_csv(metrics, step_s).into_bytes()),
         ("robots.csv", robots_csv(metrics).into_bytes()),
         ("visits.npy", visits_npy(visits, arena.squares())),
-        ("coverage.png", coverage_png(arena, visits, mask)),
+        ("coverage.png", coverage_png(arena, visits, mask, &objects)),
         ("timing.json", json(&timing.to_document())),
-    ]
+    ];
+    if !tracks.is_empty() {
+        files.push(("objects.csv", objects_csv(tracks).into_bytes()));
+    }
+    files
 }
 
 fn json(document: &impl Serialize) -> Vec<u8> {

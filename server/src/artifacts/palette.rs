@@ -13,8 +13,9 @@ pub const UNREACHABLE: Colour = [232, 232, 232];
 pub const HATCH: Colour = [178, 178, 178];
 /// Start poses: the vermilion of Okabe and Ito.
 pub const START: Colour = [213, 94, 0];
-/// Movable objects.
-pub const OBJECT: Colour = [148, 82, 160];
+/// Movable objects: where they are, and where they began.
+pub const OBJECT: Colour = [176, 0, 132];
+pub const OBJECT_START: Colour = [232, 150, 210];
 
 /// A class of squares by their visits.
 pub struct Step {

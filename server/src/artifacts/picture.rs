@@ -3,7 +3,8 @@
 use arenas::Arena;
 use swarm::run::counts_within;
 
-use super::palette::{self, BLACK, Colour, GREY, HATCH, OBJECT, START, STEPS, UNREACHABLE, WHITE};
+use super::palette::{self, BLACK, Colour, GREY, HATCH, START, STEPS, UNREACHABLE, WHITE};
+use super::pushed::{self, Pushed};
 use super::scene::{Anchor, Item, Scene};
 use super::tables::coverage_counts;
 
@@ -18,16 +19,21 @@ const LEGEND_PX: f32 = 286.0;
 const GAP_PX: f32 = 28.0;
 
 /// Lays the picture out. `visits` and `reachable` hold a value for each square, row 0 lowest y.
-pub fn coverage(arena: &Arena, visits: &[u32], reachable: Option<&[bool]>) -> Scene {
+pub fn coverage(
+    arena: &Arena,
+    visits: &[u32],
+    reachable: Option<&[bool]>,
+    objects: &[Pushed],
+) -> Scene {
     let plot = Plot::of(arena);
     let mut items = Vec::new();
     title(&mut items, arena);
     squares(&mut items, &plot, visits, reachable);
     walls(&mut items, &plot, arena);
-    objects(&mut items, &plot, arena);
+    pushed::draw(&mut items, objects, |x_m, y_m| plot.at(x_m, y_m));
     starts(&mut items, &plot, arena);
     axes(&mut items, &plot, arena);
-    legend(&mut items, &plot, visits, reachable);
+    legend(&mut items, &plot, visits, reachable, !objects.is_empty());
     Scene {
         width_px: (LEFT_PX + plot.width_px + GAP_PX + LEGEND_PX) as u32,
         height_px: (TOP_PX + plot.height_px.max(MIN_HEIGHT_PX) + BOTTOM_PX) as u32,
@@ -187,39 +193,6 @@ fn walls(items: &mut Vec<Item>, plot: &Plot, arena: &Arena) {
     });
 }
 
-/// Outlines of movable objects, where they begin.
-fn objects(items: &mut Vec<Item>, plot: &Plot, arena: &Arena) {
-    const SIDES_OF_A_DISC: u32 = 24;
-    let mut lines = Vec::new();
-    for object in arena.objects() {
-        let corners: Vec<[f32; 2]> = match object.corners() {
-            Some(corners) => corners.iter().map(|c| plot.at(c.x, c.y)).collect(),
-            None => (0..SIDES_OF_A_DISC)
-                .map(|side| {
-                    let angle =
-                        f64::from(side) * std::f64::consts::TAU / f64::from(SIDES_OF_A_DISC);
-                    let (centre, radius_m) = (object.centre(), object.reach_m());
-                    plot.at(
-                        centre.x + radius_m * libm::cos(angle),
-                        centre.y + radius_m * libm::sin(angle),
-                    )
-                })
-                .collect(),
-        };
-        for (place, [x1, y1]) in corners.iter().enumerate() {
-            let [x2, y2] = corners[(place + 1) % corners.len()];
-            lines.push([*x1, *y1, x2, y2]);
-        }
-    }
-    if !lines.is_empty() {
-        items.push(Item::Lines {
-            lines,
-            width_px: 2.0,
-            colour: OBJECT,
-        });
-    }
-}
-
 fn starts(items: &mut Vec<Item>, plot: &Plot, arena: &Arena) {
     for start in arena.starts() {
         let heading = [
@@ -318,7 +291,13 @@ fn tick_m(side_m: f64) -> f64 {
     }
 }
 
-fn legend(items: &mut Vec<Item>, plot: &Plot, visits: &[u32], reachable: Option<&[bool]>) {
+fn legend(
+    items: &mut Vec<Item>,
+    plot: &Plot,
+    visits: &[u32],
+    reachable: Option<&[bool]>,
+    has_objects: bool,
+) {
     let left = LEFT_PX + plot.width_px + GAP_PX;
     let line_px = 30.0;
     let mut y = TOP_PX + 14.0;
@@ -362,6 +341,14 @@ fn legend(items: &mut Vec<Item>, plot: &Plot, visits: &[u32], reachable: Option<
     }
     start_mark(items, [left + 10.0, y - 5.0], [1.0, 0.0]);
     text(items, "start, with heading", [left + 42.0, y], plain);
+    if has_objects {
+        y += line_px;
+        pushed::draw_now_mark(items, [left, y]);
+        text(items, "movable object", [left + 42.0, y], plain);
+        y += line_px;
+        pushed::draw_start_mark(items, [left, y]);
+        text(items, "its start and way", [left + 42.0, y], plain);
+    }
 
     y += 1.6 * line_px;
     text(items, "Squares entered", [left, y], heading);

@@ -6,7 +6,7 @@ use std::fs;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use swarm::memory::MemoryPlan;
-use swarm::run::{CurveRow, MetricsLog, ObjectOutcome, Outcome, RobotMemory};
+use swarm::run::{CurveRow, MetricsLog, ObjectOutcome, Outcome, RobotMemory, Tracks};
 use swarm::world::ObjectPose;
 
 use super::*;
@@ -166,6 +166,7 @@ fn a_directory_holds_all_files_or_is_not_there() {
         curve: &[],
         visits: &visits,
         metrics: &MetricsLog::default(),
+        tracks: &Tracks::default(),
     };
     let timing = Timing {
         wall_s: 2.0,
@@ -212,7 +213,7 @@ fn a_directory_holds_all_files_or_is_not_there() {
 #[test]
 fn the_picture_is_the_same_to_the_byte_everywhere() {
     let (visits, mask) = visits_and_mask();
-    let png = coverage_png(run().arena(), &visits, Some(&mask));
+    let png = coverage_png(run().arena(), &visits, Some(&mask), &[]);
     assert!(png.starts_with(b"\x89PNG"));
     let digest: String = Sha256::digest(&png)
         .iter()
@@ -227,7 +228,7 @@ fn the_picture_is_the_same_to_the_byte_everywhere() {
 #[test]
 fn the_legend_tells_counts_and_shares() {
     let (visits, mask) = visits_and_mask();
-    let svg = coverage_svg(run().arena(), &visits, Some(&mask));
+    let svg = coverage_svg(run().arena(), &visits, Some(&mask), &[]);
     for words in [
         "two-rooms",
         ">46<",
@@ -241,6 +242,6 @@ fn the_legend_tells_counts_and_shares() {
     ] {
         assert!(svg.contains(words), "no {words} in {svg}");
     }
-    let without = coverage_svg(run().arena(), &visits, None);
+    let without = coverage_svg(run().arena(), &visits, None, &[]);
     assert!(!without.contains("not reachable") && !without.contains('%'));
 }

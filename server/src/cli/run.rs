@@ -89,12 +89,14 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     };
     let visits = work.run.visits();
     let metrics = work.run.metrics();
+    let tracks = work.run.tracks();
     let finished = Finished {
         spec: &spec,
         outcome: &outcome,
         curve: work.run.curve(),
         visits: &visits,
         metrics: &metrics,
+        tracks: &tracks,
     };
     artifacts::write_directory(out, &finished, &timing)?;
     checkpoint.remove();

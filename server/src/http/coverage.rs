@@ -15,7 +15,7 @@ use super::request::number;
 use super::runs::{found, resolved};
 use crate::artifacts::{
     coverage_csv, coverage_json, coverage_png, coverage_svg, curve_csv, metrics_csv, metrics_json,
-    robots_csv, visits_npy,
+    objects_csv, objects_json, pushed, robots_csv, visits_npy,
 };
 use crate::scheduler::View;
 use crate::spec::ResolvedRun;
@@ -78,6 +78,31 @@ pub async fn metrics_as_csv(
     show(app, id, headers, CSV, |app, run, coverage| {
         let step_s = resolved(app, run)?.step_s();
         Ok(metrics_csv(&coverage.metrics, step_s).into())
+    })
+    .await
+}
+
+/// `GET /v1/runs/{id}/objects`: movable objects over time.
+pub async fn objects(
+    State(app): State<App>,
+    Path(id): Path<String>,
+    headers: HeaderMap,
+) -> Result<Response, Refusal> {
+    show(app, id, headers, JSON, |app, run, coverage| {
+        let spec = resolved(app, run)?;
+        json(&objects_json(spec.arena(), &coverage.tracks, spec.step_s()))
+    })
+    .await
+}
+
+/// `GET /v1/runs/{id}/objects.csv`.
+pub async fn objects_as_csv(
+    State(app): State<App>,
+    Path(id): Path<String>,
+    headers: HeaderMap,
+) -> Result<Response, Refusal> {
+    show(app, id, headers, CSV, |_, _, coverage| {
+        Ok(objects_csv(&coverage.tracks).into())
     })
     .await
 }
@@ -153,8 +178,10 @@ pub async fn visits_as_png(
 ) -> Result<Response, Refusal> {
     show(app, id, headers, "image/png", |app, run, coverage| {
         let grid = Grid::new(app, run, &coverage.visits)?;
-        Ok(app.pictures.png(&run.id, &grid.counts, || {
-            coverage_png(grid.spec.arena(), &grid.counts, grid.mask(app).as_deref())
+        let objects = pushed(&grid.spec, &coverage.tracks);
+        Ok(app.pictures.png(&run.id, &grid.counts, &objects, || {
+            let mask = grid.mask(app);
+            coverage_png(grid.spec.arena(), &grid.counts, mask.as_deref(), &objects)
         }))
     })
     .await
@@ -168,7 +195,9 @@ pub async fn visits_as_svg(
 ) -> Result<Response, Refusal> {
     show(app, id, headers, "image/svg+xml", |app, run, coverage| {
         let grid = Grid::new(app, run, &coverage.visits)?;
-        Ok(coverage_svg(grid.spec.arena(), &grid.counts, grid.mask(app).as_deref()).into())
+        let (mask, objects) = (grid.mask(app), pushed(&grid.spec, &coverage.tracks));
+        let svg = coverage_svg(grid.spec.arena(), &grid.counts, mask.as_deref(), &objects);
+        Ok(svg.into())
     })
     .await
 }

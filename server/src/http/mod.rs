@@ -85,6 +85,8 @@ fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, token: Option<&str>) -> 
         .route("/runs/{id}/curve.csv", get(coverage::curve_as_csv))
         .route("/runs/{id}/metrics", get(coverage::metrics))
         .route("/runs/{id}/metrics.csv", get(coverage::metrics_as_csv))
+        .route("/runs/{id}/objects", get(coverage::objects))
+        .route("/runs/{id}/objects.csv", get(coverage::objects_as_csv))
         .route("/runs/{id}/robots.csv", get(coverage::robots_as_csv))
         .route("/runs/{id}/coverage", get(coverage::visits_as_json))
         .route("/runs/{id}/coverage.png", get(coverage::visits_as_png))

@@ -7,6 +7,9 @@ use arenas::Arena;
 use axum::body::Bytes;
 use hashlink::LruCache;
 use sha2::{Digest, Sha256};
+use swarm::world::ObjectPose;
+
+use crate::artifacts::Pushed;
 
 use crate::reproduce::Report;
 use crate::store::JobSeq;
@@ -40,12 +43,26 @@ impl Default for Pictures {
 }
 
 impl Pictures {
-    /// The picture of these visits of this run, drawn only if it is not kept.
-    pub fn png(&self, run: &str, visits: &[u32], draw: impl FnOnce() -> Vec<u8>) -> Bytes {
+    /// The picture of these visits and objects of this run, drawn only if it is not kept.
+    pub fn png(
+        &self,
+        run: &str,
+        visits: &[u32],
+        objects: &[Pushed],
+        draw: impl FnOnce() -> Vec<u8>,
+    ) -> Bytes {
         let mut hash = Sha256::new();
         hash.update(run);
         for count in visits {
             hash.update(count.to_le_bytes());
+        }
+        for object in objects {
+            hash.update((object.way_m.len() as u64).to_le_bytes());
+            let ObjectPose { x_m, y_m, cos, sin } = object.pose;
+            let way_m = object.way_m.iter().flatten().copied();
+            for number in way_m.chain([x_m, y_m, cos, sin]) {
+                hash.update(number.to_le_bytes());
+            }
         }
         kept(&self.pngs, hash.finalize().into(), || draw().into())
     }
@@ -88,4 +105,41 @@ fn kept<V: Clone>(cache: &Mutex<LruCache<Key, V>>, key: Key, make: impl FnOnce()
 
 fn lock<K, V>(cache: &Mutex<LruCache<K, V>>) -> MutexGuard<'_, LruCache<K, V>> {
     cache.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::spec::{BuiltinArenas, resolve};
+
+    #[test]
+    fn a_picture_is_kept_until_visits_or_objects_change() {
+        let spec = serde_json::json!({ "engine": "rapier", "arena": {
+            "name": "yard", "width_m": 0.6, "height_m": 0.6, "walls_m": [],
+            "starts": [{ "x_m": 0.1, "y_m": 0.1, "heading_rad": 0.8 }],
+            "objects": [{ "kind": "disc", "x_m": 0.3, "y_m": 0.3, "radius_m": 0.03 }]
+        } });
+        let spec = resolve(&spec, &BuiltinArenas).unwrap();
+        let here = crate::artifacts::pushed(&spec, &swarm::run::Tracks::default());
+        let mut turned = here.clone();
+        (turned[0].pose.cos, turned[0].pose.sin) = (0.0, 1.0);
+        let mut pushed = here.clone();
+        pushed[0].way_m.push([0.4, 0.3]);
+        let pictures = Pictures::default();
+        let cases = [
+            ([1, 2], &here),
+            ([1, 3], &here),
+            ([1, 2], &turned),
+            ([1, 2], &pushed),
+        ];
+        for (number, (visits, objects)) in (0_u8..).zip(cases) {
+            assert_eq!(
+                pictures.png("a", &visits, objects, || vec![number])[0],
+                number
+            );
+        }
+        assert_eq!(pictures.png("a", &[1, 2], &here, || vec![9])[0], 0);
+        assert_eq!(pictures.png("b", &[1, 2], &here, || vec![9])[0], 9);
+    }
 }

@@ -40,6 +40,7 @@ pub fn coverage_of(run: &Run) -> Coverage {
         visits: run.visits(),
         dwell: run.dwell(),
         metrics: run.metrics(),
+        tracks: run.tracks(),
     }
 }
 

@@ -11,7 +11,7 @@ use sha2::{Digest, Sha256};
 
 use super::{Coverage, StoreError};
 
-const MAGIC: [u8; 8] = *b"EVSWCP02";
+const MAGIC: [u8; 8] = *b"EVSWCP03";
 const SUFFIX: &str = ".checkpoint";
 
 /// A run stopped on the way.
@@ -182,6 +182,7 @@ mod tests {
             visits: vec![1, 0, 3],
             dwell: vec![2, 0, 5],
             metrics: Default::default(),
+            tracks: Default::default(),
         };
         Checkpoint {
             coverage,

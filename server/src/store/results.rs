@@ -2,7 +2,7 @@
 
 use rusqlite::{OptionalExtension, params};
 use serde::{Deserialize, Serialize};
-use swarm::run::{CurveRow, MetricsLog};
+use swarm::run::{CurveRow, MetricsLog, Tracks};
 
 use super::{RunSeq, Store, StoreError};
 
@@ -17,6 +17,8 @@ pub struct Coverage {
     pub dwell: Vec<u32>,
     /// Swarm metrics over time; empty in results of versions that had none.
     pub metrics: MetricsLog,
+    /// Movable objects over time; empty in results of versions that did not record them.
+    pub tracks: Tracks,
 }
 
 /// What a finished run leaves.
@@ -34,28 +36,38 @@ fn read<T: serde::de::DeserializeOwned>(what: &'static str, blob: &[u8]) -> Resu
     postcard::from_bytes(blob).map_err(|error| StoreError::unreadable(what, error))
 }
 
+/// What a column holds that older versions did not have.
+fn read_or_default<T: serde::de::DeserializeOwned + Default>(
+    what: &'static str,
+    blob: Option<Vec<u8>>,
+) -> Result<T, StoreError> {
+    blob.map_or_else(|| Ok(T::default()), |blob| read(what, &blob))
+}
+
+fn write(what: &'static str, value: &impl Serialize) -> Result<Vec<u8>, StoreError> {
+    postcard::to_allocvec(value).map_err(|error| StoreError::unreadable(what, error))
+}
+
 impl Store {
     /// The coverage of a finished run; `None` when it is not finished.
     ///
     /// # Errors
     /// When the database fails or holds what cannot be read.
     pub fn coverage(&self, run: RunSeq) -> Result<Option<Coverage>, StoreError> {
-        let blobs: Option<(Vec<u8>, Option<Vec<u8>>)> = self
+        let blobs: Option<(Vec<u8>, Option<Vec<u8>>, Option<Vec<u8>>)> = self
             .connection()
-            .prepare_cached("SELECT coverage, metrics FROM results WHERE run = ?1")?
-            .query_row([run], |row| Ok((row.get(0)?, row.get(1)?)))
+            .prepare_cached("SELECT coverage, metrics, objects FROM results WHERE run = ?1")?
+            .query_row([run], |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?)))
             .optional()?;
         blobs
-            .map(|(coverage, metrics)| {
+            .map(|(coverage, metrics, objects)| {
                 let (curve, visits, dwell) = read("coverage", &coverage)?;
-                let metrics = metrics
-                    .map(|metrics| read("metrics", &metrics))
-                    .transpose()?;
                 Ok(Coverage {
                     curve,
                     visits,
                     dwell,
-                    metrics: metrics.unwrap_or_default(),
+                    metrics: read_or_default("metrics", metrics)?,
+                    tracks: read_or_default("objects", objects)?,
                 })
             })
             .transpose()
@@ -85,11 +97,13 @@ impl Store {
             visits,
             dwell,
             metrics,
+            tracks,
         } = &finished.coverage;
-        let coverage = postcard::to_allocvec(&(curve, visits, dwell))
-            .map_err(|error| StoreError::unreadable("coverage", error))?;
-        let metrics = postcard::to_allocvec(metrics)
-            .map_err(|error| StoreError::unreadable("metrics", error))?;
+        let coverage = write("coverage", &(curve, visits, dwell))?;
+        let metrics = write("metrics", metrics)?;
+        let objects = (!tracks.is_empty())
+            .then(|| write("objects", tracks))
+            .transpose()?;
         let result = serde_json::to_string(&finished.result)
             .map_err(|error| StoreError::unreadable("result", error))?;
         let mut connection = self.connection();
@@ -106,14 +120,15 @@ impl Store {
         }
         transaction
             .prepare_cached(
-                "INSERT INTO results (run, result, coverage, metrics, cpu_ns_per_robot_step)
-                 VALUES (?1, ?2, ?3, ?4, ?5)",
+                "INSERT INTO results (run, result, coverage, metrics, objects, cpu_ns_per_robot_step)
+                 VALUES (?1, ?2, ?3, ?4, ?5, ?6)",
             )?
             .execute(params![
                 run,
                 result,
                 coverage,
                 metrics,
+                objects,
                 finished.cpu_ns_per_robot_step
             ])?;
         transaction.commit()?;

@@ -42,6 +42,19 @@ fn state_of(store: &Store, id: &str) -> State {
     store.run(id).unwrap().unwrap().state.state()
 }
 
+/// Of a run with an object, at its first step.
+fn tracks() -> swarm::run::Tracks {
+    let spec = serde_json::json!({ "engine": "rapier", "arena": {
+        "name": "yard", "width_m": 0.6, "height_m": 0.6, "walls_m": [],
+        "starts": [{ "x_m": 0.1, "y_m": 0.1, "heading_rad": 0.8 }],
+        "objects": [{ "kind": "disc", "x_m": 0.3, "y_m": 0.3, "radius_m": 0.03 }]
+    } });
+    let spec = crate::spec::resolve(&spec, &crate::spec::BuiltinArenas).unwrap();
+    let tracks = swarm::run::Run::new(spec.run_spec()).unwrap().tracks();
+    assert_eq!(tracks.objects(), 1);
+    tracks
+}
+
 fn finished() -> Finished {
     let result = api::RunResult {
         schema: 1,
@@ -84,6 +97,7 @@ fn finished() -> Finished {
                 first_entry: vec![1, 2, 0],
                 ..Default::default()
             },
+            tracks: tracks(),
         },
         cpu_ns_per_robot_step: Some(123.5),
     }
@@ -128,6 +142,54 @@ fn a_new_store_and_an_old_one_are_migrated() {
             .unwrap();
         assert_eq!((mode.as_str(), synchronous), ("wal", 2));
     }
+}
+
+#[test]
+fn results_of_versions_without_objects_stay_readable() {
+    let dir = tempfile::tempdir().unwrap();
+    let Coverage {
+        curve,
+        visits,
+        dwell,
+        metrics,
+        ..
+    } = finished().coverage;
+    {
+        let mut old = Connection::open(dir.path().join("evswarm.sqlite3")).unwrap();
+        let runner = migrations::migrations::runner().set_target(refinery::Target::Version(3));
+        runner.run(&mut old).unwrap();
+        old.execute(
+            "INSERT INTO runs (id, seed, arena, method, state, epochs_total, robot_steps_total, spec)
+             VALUES ('a', 1, 'maze', 'im', 'done', 1, 1, '{}')",
+            [],
+        )
+        .unwrap();
+        // The layout as it was, field by field.
+        let metrics = (
+            metrics.reachable,
+            &metrics.rows,
+            &metrics.robots,
+            &metrics.first_entry,
+        );
+        old.execute(
+            "INSERT INTO results (run, result, coverage, metrics) VALUES (1, '{}', ?1, ?2)",
+            (
+                postcard::to_allocvec(&(&curve, &visits, &dwell)).unwrap(),
+                postcard::to_allocvec(&metrics).unwrap(),
+            ),
+        )
+        .unwrap();
+    }
+    let read = open(dir.path()).coverage(1).unwrap().unwrap();
+    assert!(read.tracks.is_empty());
+    let expected = Coverage {
+        curve,
+        visits,
+        dwell,
+        metrics,
+        tracks: Default::default(),
+    };
+    assert_eq!(read, expected);
 }
 
 #[test]

@@ -9,7 +9,7 @@ use arenas::{Arena, Segment};
 use rapier2d::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use objects::Objects;
+use objects::{Objects, Part};
 
 use crate::robot::RobotModel;
 use crate::world::ObjectPose;
@@ -213,12 +213,25 @@ impl RapierEngine {
         self.world.physics_pipeline.counters.disable();
         let share = 1.0 / self.settings.parts as f32;
         for _ in 0..self.settings.parts {
-            self.part(x_m, y_m, dx_m, dy_m, share, touched);
+            let part_s = self.settings.part_s;
+            self.part(
+                x_m,
+                y_m,
+                dx_m,
+                dy_m,
+                (Part::Timed { part_s }, share),
+                touched,
+            );
             if self.settings.bounce > 0.0 && self.rebound() {
                 let [back_x_m, back_y_m] = std::mem::take(&mut self.scratch.rebound_m);
-                self.objects.hold(&mut self.world);
-                self.part(x_m, y_m, &back_x_m, &back_y_m, 1.0, touched);
-                self.objects.release(&mut self.world);
+                self.part(
+                    x_m,
+                    y_m,
+                    &back_x_m,
+                    &back_y_m,
+                    (Part::Timeless, 1.0),
+                    touched,
+                );
                 self.scratch.rebound_m = [back_x_m, back_y_m];
             }
         }
@@ -262,7 +275,7 @@ impl RapierEngine {
         y_m: &mut [f32],
         dx_m: &[f32],
         dy_m: &[f32],
-        share: f32,
+        (part, share): (Part, f32),
         touched: &mut [bool],
     ) {
         let parts_per_s = 1.0 / self.settings.part_s;
@@ -277,9 +290,10 @@ impl RapierEngine {
             let way = if sound(way) { way } else { Vector::ZERO };
             body.set_linvel(way * parts_per_s, false);
         }
-        self.objects.brake(&mut self.world, self.settings.part_s);
+        self.objects.before_step(&mut self.world, part);
         self.world.step();
-        self.objects.keep_in(&mut self.world, &self.walls_m);
+        self.objects
+            .after_step(&mut self.world, part, &self.walls_m);
 
         self.scratch.pushes_m.clear();
         for (i, &robot) in self.robots.iter().enumerate() {

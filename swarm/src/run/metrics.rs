@@ -238,10 +238,11 @@ impl Run {
         }
     }
 
-    /// Adds a row of metrics.
+    /// Adds a row of metrics, and the objects of the same moment.
     pub(super) fn add_row(&mut self) {
         let row = self.metrics_now();
         self.metrics.push(row);
+        self.track_objects();
     }
 
     /// Whether visits count in the epoch that the run is in.

@@ -7,6 +7,7 @@ mod plan;
 mod snapshot;
 #[cfg(test)]
 mod tests;
+mod tracks;
 mod types;
 
 use std::sync::{Arc, OnceLock};
@@ -15,6 +16,7 @@ use arenas::{Arena, Reachable};
 use sha2::{Digest, Sha256};
 
 pub use metrics::{Metrics, MetricsLog, MetricsRow, RobotMetrics, time_to_cover};
+pub use tracks::{Moment, ObjectSample, Tracks};
 pub use types::{CurveRow, ObjectOutcome, Outcome, Phase, Progress, RestoreError, RobotMemory};
 
 use crate::memory::MemoryPlan;
@@ -49,6 +51,7 @@ pub struct Run {
     learners: Learners,
     curve: Vec<CurveRow>,
     metrics: Vec<MetricsRow>,
+    tracks: Tracks,
     /// Squares in reach, found when first asked for.
     reachable: OnceLock<Reachable>,
     /// Sensori-motor clusters that phase 1 ended with.
@@ -203,6 +206,7 @@ impl Run {
             },
             curve: Vec::new(),
             metrics: Vec::new(),
+            tracks: Tracks::default(),
             sensori_motor_clusters: 0,
             memory,
             spec,
@@ -284,6 +288,9 @@ impl Run {
             }
         }
         self.begin_epoch();
+        if stage.kind.counts() {
+            self.track_objects();
+        }
     }
 
     /// Lets visits count where the stage says so.
@@ -404,27 +411,6 @@ impl Run {
     pub fn bytes(&self) -> u64 {
         let worlds: usize = self.venues.iter().map(|venue| venue.world.bytes()).sum();
         worlds as u64 + self.learners.bytes()
-    }
-
-    /// What became of the movable objects of the target arena.
-    pub fn objects(&self) -> Vec<ObjectOutcome> {
-        let objects = &self.venues[TARGET].world.state().objects;
-        let figures = objects.poses.iter().zip(&objects.moved_m);
-        let made = self.spec.arena.objects().iter();
-        made.zip(figures)
-            .map(|(object, (pose, moved_m))| {
-                let (dx_m, dy_m) = (
-                    f64::from(pose.x_m) - object.centre().x,
-                    f64::from(pose.y_m) - object.centre().y,
-                );
-                ObjectOutcome {
-                    kind: object.kind(),
-                    pose: *pose,
-                    moved_m: *moved_m,
-                    displaced_m: (dx_m * dx_m + dy_m * dy_m).sqrt(),
-                }
-            })
-            .collect()
     }
 
     /// What each robot's learner may hold.

@@ -6,13 +6,13 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::learners::Learners;
-use super::{CurveRow, MetricsRow, Place, RestoreError, Run};
+use super::{CurveRow, MetricsRow, Place, RestoreError, Run, Tracks};
 use crate::engine::Motor;
 use crate::spec::RunSpec;
 use crate::world::{World, WorldState};
 
 /// Changes whenever the layout of saved state does.
-const MAGIC: &[u8; 8] = b"evswarm3";
+const MAGIC: &[u8; 8] = b"evswarm4";
 
 #[derive(Serialize)]
 struct SavedRef<'a> {
@@ -21,6 +21,7 @@ struct SavedRef<'a> {
     sensori_motor_clusters: u32,
     curve: &'a [CurveRow],
     metrics: &'a [MetricsRow],
+    tracks: &'a Tracks,
     learners: &'a Learners,
     worlds: Vec<(&'a WorldState, &'a Motor)>,
 }
@@ -32,6 +33,7 @@ struct Saved {
     sensori_motor_clusters: u32,
     curve: Vec<CurveRow>,
     metrics: Vec<MetricsRow>,
+    tracks: Tracks,
     learners: Learners,
     worlds: Vec<(WorldState, Motor)>,
 }
@@ -73,6 +75,7 @@ pub(super) fn save(run: &Run) -> Vec<u8> {
         sensori_motor_clusters: run.sensori_motor_clusters,
         curve: &run.curve,
         metrics: &run.metrics,
+        tracks: &run.tracks,
         learners: &run.learners,
         worlds: run
             .venues
@@ -117,6 +120,7 @@ pub(super) fn restore(spec: RunSpec, bytes: &[u8]) -> Result<Run, RestoreError> 
     run.sensori_motor_clusters = saved.sensori_motor_clusters;
     run.curve = saved.curve;
     run.metrics = saved.metrics;
+    run.tracks = saved.tracks;
     run.learners = saved.learners;
     for (venue, (state, motor)) in run.venues.iter_mut().zip(saved.worlds) {
         venue.world = World::restore(

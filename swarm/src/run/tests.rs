@@ -403,6 +403,41 @@ fn pushed_objects_are_saved_and_counted() {
 }
 
 #[test]
+fn objects_are_tracked_where_metrics_have_rows() {
+    for episodes in [Episodes::Reset, Episodes::Continue] {
+        let mut run = Run::new(RunSpec {
+            episodes,
+            ..pushing_boxes()
+        })
+        .unwrap();
+        let mut seen = Vec::new();
+        while run.outcome().is_none() {
+            run.advance(1);
+            // Whatever the moment, the last one told is the present one.
+            let tracks = run.tracks();
+            let now = tracks.moments().next_back().unwrap();
+            let known: Vec<_> = run.objects().iter().map(|o| (o.pose, o.moved_m)).collect();
+            let told: Vec<_> = now.objects.iter().map(|o| (o.pose, o.moved_m)).collect();
+            let epoch_begins = now.steps.is_multiple_of(150) && episodes == Episodes::Reset;
+            assert!(told == known || epoch_begins);
+            seen.push((now.steps, now.epoch, told));
+        }
+        let (tracks, log) = (run.tracks(), run.metrics());
+        let rows = log.rows.iter().map(|row| (row.steps, row.epoch));
+        let expected: Vec<_> = std::iter::once((0, 0)).chain(rows).collect();
+        let times: Vec<_> = tracks.moments().map(|m| (m.steps, m.epoch)).collect();
+        assert_eq!(times, expected);
+        for moment in tracks.moments().filter(|moment| moment.steps > 0) {
+            let told: Vec<_> = moment.objects.iter().map(|o| (o.pose, o.moved_m)).collect();
+            assert!(seen.contains(&(moment.steps, moment.epoch, told)));
+        }
+        let first = tracks.moments().next().unwrap();
+        assert!(first.objects.iter().all(|object| object.moved_m == 0.0));
+    }
+    assert!(Run::new(swarm(Method::Im, 1)).unwrap().tracks().is_empty());
+}
+
+#[test]
 fn the_kinematic_engine_refuses_objects_also_in_training() {
     let pointer = |spec: RunSpec| spec.validate().first().map(|error| error.pointer.clone());
     let kinematic = RunSpec {

@@ -7,6 +7,7 @@
 
 mod body;
 mod grid;
+mod object_grid;
 mod objects;
 mod step;
 mod tally;
@@ -21,7 +22,8 @@ use serde::{Deserialize, Serialize};
 
 pub use body::{Body, StartPose};
 use grid::Grid;
-pub use objects::{ObjectPose, Objects, Shape};
+use object_grid::ObjectGrid;
+pub use objects::{ObjectPose, Objects};
 pub use tally::{SAMPLED_ROBOTS, Tally};
 
 use crate::drive::Drive;
@@ -88,7 +90,7 @@ pub struct World {
     noise_keys: Vec<u64>,
     slip_keys: Vec<u64>,
     crowd: Option<Crowd>,
-    shapes: Vec<Shape>,
+    object_grid: ObjectGrid,
 }
 
 /// What every world of one arena and robot shares: built once, read by all.
@@ -154,6 +156,7 @@ impl World {
         let arena = &ground.arena;
         let contact = Contact::new(model, arena.width_m().max(arena.height_m()));
         let optics = Optics::new(model);
+        let object_grid = ObjectGrid::new(arena, optics.sight_m());
         let keys = |purpose| {
             (0..n as u64)
                 .map(|robot| stream_key(seed, site, robot, purpose))
@@ -179,7 +182,7 @@ impl World {
             contact,
             starts,
             grid: Grid::of(arena),
-            shapes: Shape::all(arena),
+            object_grid,
             noise_keys: keys(Purpose::SensorNoise),
             slip_keys: if drive.slips() {
                 keys(Purpose::WheelSlip)
@@ -287,6 +290,7 @@ impl World {
             + self.state.tally.bytes()
             + size_of_val(&self.state.objects.poses[..])
             + size_of_val(&self.state.objects.moved_m[..])
+            + self.object_grid.bytes()
             + self.crowd.as_ref().map_or(0, Crowd::bytes)
     }
 

@@ -3,6 +3,7 @@
 use arenas::{Arena, Movable};
 use serde::{Deserialize, Serialize};
 
+use super::object_grid::ObjectGrid;
 use crate::lanes::F8;
 use crate::sense::{Optics, Rays};
 
@@ -86,26 +87,29 @@ impl Shape {
         };
         arena.objects().iter().map(shape).collect()
     }
-}
 
-/// Shortens `best` by the objects that a robot at (x, y) can see.
-pub fn see(
-    optics: &Optics,
-    (poses, shapes): (&[ObjectPose], &[Shape]),
-    rays: &Rays,
-    (x_m, y_m): (f32, f32),
-    mut best: F8,
-) -> F8 {
-    for (pose, shape) in poses.iter().zip(shapes) {
+    /// Farthest that any part is from the centre, metres.
+    pub fn reach_m(&self) -> f32 {
+        self.reach_m
+    }
+
+    /// Shortens `best` by an object of this shape, if a robot at (x, y) can see it.
+    #[inline(always)]
+    pub(super) fn see(
+        &self,
+        optics: &Optics,
+        pose: &ObjectPose,
+        sight_m: f32,
+        rays: &Rays,
+        (x_m, y_m): (f32, f32),
+        mut best: F8,
+    ) -> F8 {
         let (dx_m, dy_m) = (pose.x_m - x_m, pose.y_m - y_m);
-        // Sight is measured between centres of robots, so it is more than the reach of a ray.
-        let sight_m = optics.sight_m() as f32 + shape.reach_m;
         if dx_m * dx_m + dy_m * dy_m > sight_m * sight_m {
-            continue;
+            return best;
         }
-        let Some([along, across]) = shape.half_sides_m else {
-            best = optics.to_disc(rays, (pose.x_m, pose.y_m), shape.reach_m, best);
-            continue;
+        let Some([along, across]) = self.half_sides_m else {
+            return optics.to_disc(rays, (pose.x_m, pose.y_m), self.reach_m, best);
         };
         let (ax, ay) = (along * pose.cos, along * pose.sin);
         let (bx, by) = (-across * pose.sin, across * pose.cos);
@@ -119,6 +123,22 @@ pub fn see(
         for side in 0..4 {
             best = optics.to_segment(rays, corners[side], corners[(side + 1) % 4], best);
         }
+        best
+    }
+}
+
+/// Shortens `best` by the objects that a robot at (x, y) can see; the grid is up to date.
+pub fn see(
+    optics: &Optics,
+    (poses, grid): (&[ObjectPose], &ObjectGrid),
+    rays: &Rays,
+    (x_m, y_m): (f32, f32),
+    mut best: F8,
+) -> F8 {
+    for &number in grid.near(x_m, y_m) {
+        let pose = &poses[number as usize];
+        let (shape, sight_m) = grid.shape(number as usize);
+        best = shape.see(optics, pose, sight_m, rays, (x_m, y_m), best);
     }
     best
 }

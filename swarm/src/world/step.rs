@@ -165,7 +165,9 @@ impl World {
     #[inline(always)]
     fn sense(&mut self) {
         let (optics, index) = (&self.optics, &*self.index);
-        let objects = (&self.state.objects.poses[..], &self.shapes[..]);
+        let poses = &self.state.objects.poses[..];
+        self.object_grid.update(poses);
+        let objects = (poses, &self.object_grid);
         let counter = self.state.readings.wrapping_mul(SPREAD);
         self.state.readings += 1;
         let bodies = &mut self.state.bodies[..];

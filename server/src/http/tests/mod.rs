@@ -3,6 +3,7 @@
 
 mod access;
 mod jobs;
+mod objects;
 mod report;
 
 use std::num::NonZeroUsize;

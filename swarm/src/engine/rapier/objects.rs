@@ -47,6 +47,30 @@ impl Made {
             brake_rad_s2: (4.0 / 3.0 * brake_m_s2 / area_radius_m) as f32,
         }
     }
+
+    /// What friction with the floor leaves of velocities after a time.
+    fn braked(&self, way: Vector, turn: f32, part_s: f32) -> (Vector, f32) {
+        let (speed, lost) = (way.length(), self.brake_m_s2 * part_s);
+        let kept = if speed > lost {
+            (speed - lost) / speed
+        } else {
+            0.0
+        };
+        let left = (turn.abs() - self.brake_rad_s2 * part_s).max(0.0);
+        (way * kept, if turn < 0.0 { -left } else { left })
+    }
+}
+
+/// A step of the solver, as objects meet it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Part {
+    /// Time passes.
+    Timed {
+        /// How much, seconds.
+        part_s: f32,
+    },
+    /// Robots bounce, and everything else stands still.
+    Timeless,
 }
 
 /// All movable objects of an arena.
@@ -57,7 +81,7 @@ pub(super) struct Objects {
     size_m: [f32; 2],
     #[serde(skip)]
     before: Vec<Pose>,
-    /// Velocities of objects that are held.
+    /// Velocities before the step.
     #[serde(skip)]
     held: Vec<(Vector, f32)>,
 }
@@ -90,62 +114,48 @@ impl Objects {
         }
     }
 
-    /// Stops all objects for a step of the solver in which no time passes: robots bounce in it.
-    pub fn hold(&mut self, world: &mut PhysicsWorld) {
-        self.held.clear();
-        for &handle in &self.bodies {
-            let body = &mut world.bodies[handle];
-            self.held.push((body.linvel(), body.angvel()));
-            body.set_linvel(Vector::ZERO, false);
-            body.set_angvel(0.0, false);
-        }
-    }
-
-    /// Gives objects the velocities that they had before [`Self::hold`].
-    pub fn release(&mut self, world: &mut PhysicsWorld) {
-        for (&handle, &(way, turn)) in self.bodies.iter().zip(&self.held) {
-            let body = &mut world.bodies[handle];
-            body.set_linvel(way, false);
-            body.set_angvel(turn, false);
-        }
-    }
-
-    /// Friction with the floor for `part_s` seconds; before the solver's step.
-    pub fn brake(&mut self, world: &mut PhysicsWorld, part_s: f32) {
+    /// Readies objects for a step of the solver.
+    ///
+    /// Bodies are touched only where something changes, as rapier looks again at those that are.
+    pub fn before_step(&mut self, world: &mut PhysicsWorld, part: Part) {
         self.before.clear();
+        self.held.clear();
         for (made, &handle) in self.made.iter().zip(&self.bodies) {
-            let body = &mut world.bodies[handle];
+            let body = &world.bodies[handle];
             self.before.push(*body.position());
             let (way, turn) = (body.linvel(), body.angvel());
-            let (speed, lost) = (way.length(), made.brake_m_s2 * part_s);
-            let kept = if speed > lost {
-                (speed - lost) / speed
-            } else {
-                0.0
+            self.held.push((way, turn));
+            let slowed = match part {
+                Part::Timed { part_s } => made.braked(way, turn, part_s),
+                Part::Timeless => (Vector::ZERO, 0.0),
             };
-            let turned = made.brake_rad_s2 * part_s;
-            let left = (turn.abs() - turned).max(0.0);
-            body.set_linvel(way * kept, false);
-            body.set_angvel(if turn < 0.0 { -left } else { left }, false);
+            if slowed != (way, turn) {
+                set_velocity(&mut world.bodies[handle], slowed);
+            }
         }
     }
 
-    /// Puts back what went through a wall, left the arena or is no longer finite; after the step.
-    pub fn keep_in(&mut self, world: &mut PhysicsWorld, walls_m: &[[f32; 4]]) {
-        for (&handle, &before) in self.bodies.iter().zip(&self.before) {
-            let body = &mut world.bodies[handle];
+    /// After the step: puts back what went through a wall, left the arena or is no longer finite,
+    /// and gives velocities back where no time passed.
+    pub fn after_step(&mut self, world: &mut PhysicsWorld, part: Part, walls_m: &[[f32; 4]]) {
+        let known = self.before.iter().zip(&self.held);
+        for (&handle, (&before, &held)) in self.bodies.iter().zip(known) {
+            let body = &world.bodies[handle];
             let (from, to) = (before.translation, body.translation());
             // False for NaN.
             let inside = to.x > 0.0 && to.y > 0.0 && to.x < self.size_m[0] && to.y < self.size_m[1];
             let rotation = body.rotation();
             let sound = inside && rotation.re.is_finite() && body.is_enabled();
-            if sound && (from == to || !walls_m.iter().any(|wall| crosses(from, to, wall))) {
-                continue;
+            if !sound || (from != to && walls_m.iter().any(|wall| crosses(from, to, wall))) {
+                let body = &mut world.bodies[handle];
+                body.set_enabled(true);
+                body.set_position(before, false);
+                set_velocity(body, (Vector::ZERO, 0.0));
             }
-            body.set_enabled(true);
-            body.set_position(before, false);
-            body.set_linvel(Vector::ZERO, false);
-            body.set_angvel(0.0, false);
+            let body = &world.bodies[handle];
+            if part == Part::Timeless && (body.linvel(), body.angvel()) != held {
+                set_velocity(&mut world.bodies[handle], held);
+            }
         }
     }
 
@@ -165,6 +175,11 @@ impl Objects {
             }
         })
     }
+}
+
+fn set_velocity(body: &mut RigidBody, (way, turn): (Vector, f32)) {
+    body.set_linvel(way, false);
+    body.set_angvel(turn, false);
 }
 
 /// Whether the way of a centre runs through a wall.

@@ -1,5 +1,7 @@
 //! Movable objects: seen where they are, pushed, never lost.
 
+use super::super::object_grid::ObjectGrid;
+use super::super::objects::{Shape, see};
 use super::*;
 
 /// A room of 1 m with these objects and a start at its centre.
@@ -73,6 +75,68 @@ fn boxes_and_discs_are_seen_at_their_distance() {
                 "case {case} ps{k}: {seen} {expected}"
             );
         }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    #[test]
+    fn the_grid_shows_all_that_a_full_scan_shows(key: u64, count in 1_usize..60, large in 0_usize..4) {
+        let mut stream = Stream::new(key);
+        // Places in the arena file stand apart; where objects are is decided below.
+        let objects: Vec<String> = (0..count).map(|number| {
+            let (x, y) = (0.8 + 1.2 * (number % 8) as f64, 0.8 + 1.2 * (number / 8) as f64);
+            let size = if number < large { 1.0 } else { 0.02 + 0.08 * stream.uniform() };
+            match number % 2 {
+                0 => format!(r#"{{"kind":"disc","x_m":{x},"y_m":{y},"radius_m":{}}}"#, 0.5 * size),
+                _ => format!(r#"{{"kind":"box","x_m":{x},"y_m":{y},"width_m":{size},"height_m":0.03}}"#),
+            }
+        }).collect();
+        let json = format!(
+            r#"{{"name":"hall","width_m":11,"height_m":11,"walls_m":[],
+            "starts":[{{"x_m":0.1,"y_m":0.1,"heading_rad":0}}],"objects":[{}]}}"#,
+            objects.join(",")
+        );
+        let arena = Arena::from_json(&json).unwrap();
+        let optics = Optics::new(&quiet());
+        let shapes = Shape::all(&arena);
+        let mut grid = ObjectGrid::new(&arena, optics.sight_m());
+        let bytes = grid.bytes();
+        // A corner of the hall, so that objects are near each other, or all of it.
+        let side = if key % 2 == 0 { 1.0 } else { 11.0 };
+        let mut poses: Vec<ObjectPose> = arena.objects().iter().map(ObjectPose::of).collect();
+        let mut met = 0;
+        for round in 0..40 {
+            for pose in &mut poses {
+                let turn = std::f64::consts::TAU * stream.uniform();
+                (pose.cos, pose.sin) = (turn.cos() as f32, turn.sin() as f32);
+                // Mostly little ways, as between two steps; now and then all are put elsewhere.
+                let way = if round % 10 == 0 { side } else { 0.02 };
+                let mut go = |from: f32| match round % 10 {
+                    0 => (side * stream.uniform()) as f32,
+                    _ => (f64::from(from) + way * (stream.uniform() - 0.5)).clamp(0.0, 11.0) as f32,
+                };
+                (pose.x_m, pose.y_m) = (go(pose.x_m), go(pose.y_m));
+            }
+            grid.update(&poses);
+            for _ in 0..60 {
+                let (x, y) = ((side * stream.uniform()) as f32, (side * stream.uniform()) as f32);
+                let turn = std::f64::consts::TAU * stream.uniform();
+                let rays = optics.rays(x, y, turn.cos() as f32, turn.sin() as f32);
+                let far = F8::splat(10.0);
+                let seen = see(&optics, (&poses, &grid), &rays, (x, y), far);
+                let mut expected = far;
+                for (number, pose) in poses.iter().enumerate() {
+                    let sight_m = optics.sight_m() as f32 + shapes[number].reach_m();
+                    expected = shapes[number].see(&optics, pose, sight_m, &rays, (x, y), expected);
+                }
+                prop_assert_eq!(seen.0.map(f32::to_bits), expected.0.map(f32::to_bits));
+                met += usize::from(expected.0 != far.0);
+            }
+        }
+        prop_assert!(met > 0 || side > 1.0 || count < 10);
+        prop_assert_eq!(grid.bytes(), bytes, "lists outgrew their capacity");
     }
 }
 

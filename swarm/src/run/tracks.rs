@@ -1,0 +1,216 @@
+//! Where movable objects were over time, how far each had been moved, and what became of them.
+
+use serde::{Deserialize, Serialize};
+
+use super::{ObjectOutcome, Run, TARGET};
+use crate::world::{ObjectPose, Objects};
+
+/// Most samples that are kept, objects times moments: 2.4 MB.
+const MOST_SAMPLES: usize = 100_000;
+
+/// An object at one moment.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ObjectSample {
+    /// Where it was.
+    pub pose: ObjectPose,
+    /// Way that it had been moved while visits counted, metres.
+    pub moved_m: f64,
+}
+
+/// A time at which objects were looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct Time {
+    steps: u64,
+    epoch: u32,
+}
+
+/// All objects at one moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment<'a> {
+    /// Counted steps of the arena that were done.
+    pub steps: u64,
+    /// Counted epochs that were complete.
+    pub epoch: u32,
+    /// The objects in the arena's order.
+    pub objects: &'a [ObjectSample],
+}
+
+/// The movable objects of a run over time; empty where it has none.
+///
+/// There is a moment where visits begin to count, and one for each row of metrics. At most
+/// [`MOST_SAMPLES`] samples are kept: before there are more, every second moment is dropped, and
+/// from then on only every second one is taken. The first always stays.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Tracks {
+    times: Vec<Time>,
+    /// Of each moment all objects.
+    samples: Vec<ObjectSample>,
+    /// Moments that there have been, kept or not.
+    offered: u64,
+    /// Every 2^this of them is kept.
+    halvings: u32,
+}
+
+fn samples(objects: &Objects) -> impl Iterator<Item = ObjectSample> {
+    let figures = objects.poses.iter().zip(&objects.moved_m);
+    figures.map(|(&pose, &moved_m)| ObjectSample { pose, moved_m })
+}
+
+impl Tracks {
+    /// Whether there is nothing to tell.
+    pub fn is_empty(&self) -> bool {
+        self.times.is_empty()
+    }
+
+    /// Moments in order of time.
+    pub fn moments(&self) -> impl DoubleEndedIterator<Item = Moment<'_>> {
+        let each = self.samples.chunks_exact(self.objects().max(1));
+        self.times
+            .iter()
+            .zip(each)
+            .map(|(&Time { steps, epoch }, objects)| Moment {
+                steps,
+                epoch,
+                objects,
+            })
+    }
+
+    /// Number of objects.
+    pub fn objects(&self) -> usize {
+        self.samples.len() / self.times.len().max(1)
+    }
+
+    /// Takes a moment in, if it is one of those that are kept.
+    fn offer(&mut self, time: Time, objects: &Objects, most: usize) {
+        if objects.poses.is_empty() {
+            return;
+        }
+        let number = self.offered;
+        self.offered += 1;
+        if !number.is_multiple_of(1 << self.halvings) {
+            return;
+        }
+        // A first moment and one more are always kept.
+        if self.times.len() > 1 && self.samples.len() + objects.poses.len() > most {
+            self.halve();
+            if !number.is_multiple_of(1 << self.halvings) {
+                return;
+            }
+        }
+        self.push(time, objects);
+    }
+
+    fn push(&mut self, time: Time, objects: &Objects) {
+        self.times.push(time);
+        self.samples.extend(samples(objects));
+    }
+
+    /// Drops every second moment.
+    fn halve(&mut self) {
+        let objects = self.objects();
+        let mut places = 0_usize..;
+        self.times
+            .retain(|_| places.next().is_some_and(|place| place % 2 == 0));
+        let mut places = 0_usize..;
+        self.samples
+            .retain(|_| places.next().is_some_and(|place| place / objects % 2 == 0));
+        self.halvings += 1;
+    }
+}
+
+impl Run {
+    fn time(&self) -> Time {
+        Time {
+            steps: self.venues[TARGET].world.state().tally.steps(),
+            epoch: self.curve.len() as u32,
+        }
+    }
+
+    /// Takes the present moment into the tracks of objects.
+    pub(super) fn track_objects(&mut self) {
+        let time = self.time();
+        let objects = &self.venues[TARGET].world.state().objects;
+        self.tracks.offer(time, objects, MOST_SAMPLES);
+    }
+
+    /// The movable objects of the target arena over time; the last moment is the present one.
+    pub fn tracks(&self) -> Tracks {
+        let mut tracks = self.tracks.clone();
+        let time = self.time();
+        let objects = &self.venues[TARGET].world.state().objects;
+        if !objects.poses.is_empty() && tracks.times.last().is_none_or(|l| l.steps != time.steps) {
+            tracks.push(time, objects);
+        }
+        tracks
+    }
+
+    /// What became of the movable objects of the target arena.
+    pub fn objects(&self) -> Vec<ObjectOutcome> {
+        let made = self.spec.arena.objects().iter();
+        made.zip(samples(&self.venues[TARGET].world.state().objects))
+            .map(|(object, ObjectSample { pose, moved_m })| {
+                let (dx_m, dy_m) = (
+                    f64::from(pose.x_m) - object.centre().x,
+                    f64::from(pose.y_m) - object.centre().y,
+                );
+                ObjectOutcome {
+                    kind: object.kind(),
+                    pose,
+                    moved_m,
+                    displaced_m: (dx_m * dx_m + dy_m * dy_m).sqrt(),
+                }
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn objects(count: usize, moved_m: f64) -> Objects {
+        let pose = ObjectPose {
+            x_m: moved_m as f32,
+            y_m: 0.0,
+            cos: 1.0,
+            sin: 0.0,
+        };
+        Objects {
+            poses: vec![pose; count],
+            moved_m: vec![moved_m; count],
+        }
+    }
+
+    #[test]
+    fn moments_are_thinned_evenly_and_bounded() {
+        for (count, most) in [(1, 10), (3, 10), (4, 100), (7, 2)] {
+            let mut tracks = Tracks::default();
+            for step in 0..1_000_u64 {
+                let time = Time {
+                    steps: 5 * step,
+                    epoch: 0,
+                };
+                tracks.offer(time, &objects(count, step as f64), most);
+                assert!(tracks.samples.len() <= most.max(2 * count));
+                assert_eq!(tracks.objects(), count);
+                // The oracle: every 2^n-th moment so far, all samples of the same time.
+                let spacing = 1_u64 << tracks.halvings;
+                let expected = (0..=step).filter(|step| step % spacing == 0);
+                assert!(tracks.moments().map(|m| m.steps / 5).eq(expected));
+                for moment in tracks.moments() {
+                    assert_eq!(moment.objects.len(), count);
+                    let moved_m = (moment.steps / 5) as f64;
+                    assert!(moment.objects.iter().all(|o| o.moved_m == moved_m));
+                }
+            }
+            // No more is dropped than must be.
+            assert!(
+                4 * tracks.samples.len() >= most.min(1_000 * count),
+                "{most}"
+            );
+        }
+        let mut none = Tracks::default();
+        none.offer(Time { steps: 0, epoch: 0 }, &objects(0, 0.0), 10);
+        assert!(none.is_empty() && none.moments().next().is_none());
+    }
+}
