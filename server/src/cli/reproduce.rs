@@ -17,7 +17,7 @@ use super::{Failure, output};
 use crate::artifacts;
 use crate::channels::ChannelSettings;
 use crate::reproduce::{Plan, Report, Settings, replace};
-use crate::scheduler::{Scheduler, SchedulerConfig, new_job};
+use crate::scheduler::{Scheduler, SchedulerConfig, new_job, run_memory_bytes};
 use crate::spec::ExpandedJob;
 use crate::store::{Created, Intent, JobRequest, JobSeq, JobView, RunState, Store};
 
@@ -180,10 +180,12 @@ fn finish(
     if job.counts.done == runs {
         return Ok(());
     }
+    let workers = threads
+        .try_into()
+        .context("at least one thread is needed")?;
     let config = SchedulerConfig {
-        workers: threads
-            .try_into()
-            .context("at least one thread is needed")?,
+        workers,
+        run_memory_bytes: run_memory_bytes(workers),
         unfinished_limit: u64::MAX,
         channels: ChannelSettings::default(),
     };
