@@ -94,7 +94,10 @@ impl MemoryPlan {
             sample: cap((states * states / 4).max(states * 3), p.sample),
             actuator_sample: cap(states / 3, p.actuator_sample),
             lambda: cap((states * 5 / 3).max(8), p.lambda),
-            genomes: cap(states * states / 64, training.map_or(1, |t| t.epochs)),
+            genomes: cap(
+                states * states / 64,
+                training.map_or(1, |t| t.epochs.min(p.replay_genomes)),
+            ),
             bytes: 0,
         };
         plan.bytes = most_bytes(&plan, spec);

@@ -53,6 +53,13 @@ fn without_a_budget_the_parameters_hold() {
     );
     assert_eq!((plan.lambda, plan.genomes), (p.lambda, 200));
     assert_eq!(plan.applied_to(p), *p);
+
+    let mut fittest = spec.clone();
+    fittest.controller.parameters.replay_genomes = 20;
+    let plan = MemoryPlan::of(&fittest).unwrap();
+    assert_eq!(plan.genomes, 20);
+    let saved = spec.robot_steps() - fittest.robot_steps();
+    assert_eq!(saved, 180 * u64::from(spec.steps_per_epoch));
 }
 
 #[test]

@@ -183,6 +183,7 @@ parameter_table! {
         kmeans_iterations: u32 = 100, Whole { min: 1, max: 10_000 }, "iterations", "Most Lloyd iterations a restart", "bounded time";
         sample: u32 = 8_192, Whole { min: 16, max: 1_000_000 }, "vectors", "Uniform sample of phase 1 that k-means runs over", "bounded memory";
         actuator_sample: u32 = 64, Whole { min: 1, max: 65_535 }, "vectors", "Actuator vectors kept for each actuator cluster", "bounded memory";
+        replay_genomes: u32 = 1_000_000, Whole { min: 1, max: 1_000_000 }, "genomes", "Genomes of phase 1 that are replayed into the repository: all, or the fittest", "chapter 5 (all) against chapter 4 (the best)";
         lambda: u32 = 60, Whole { min: 1, max: 1_000 }, "transitions", "Length of each list S(i, j)", "table 5.2";
         lambda_total: u32 = 500, Whole { min: 1, max: 1_000_000 }, "transitions", "Threshold of the `state-total` rule", "table 5.2";
         insufficiency: Insufficiency = Insufficiency::EveryAction, Choice { names: Insufficiency::NAMES }, "", "When a state's information is insufficient", "Alg. 5 against section 4.3.3";

@@ -205,9 +205,12 @@ impl FramePublisher {
     /// Offers the present moment whatever the time since the last one: for a run that pauses or
     /// ends, whose readers should see where it stands.
     pub fn offer_now(&mut self, run: &Run) {
-        let (bodies, objects, info) = (run.robots(), run.objects_here(), FrameInfo::of(run));
+        self.put_moment(run.robots(), run.objects_here(), &FrameInfo::of(run));
+    }
+
+    fn put_moment(&mut self, bodies: &[Body], objects: &Objects, info: &FrameInfo) {
         let started = Instant::now();
-        self.slot.put(|frame| fill(frame, bodies, objects, &info));
+        self.slot.put(|frame| fill(frame, bodies, objects, info));
         self.note_copy(started);
     }
 

@@ -162,9 +162,11 @@ fn info(step: u64) -> FrameInfo {
     }
 }
 
+/// Not by `offer_moment`, which skips a frame while the other side holds the slot: tests wait for
+/// the very frame that they offered.
 fn offer(publisher: &mut FramePublisher, step: u64, robots: usize) {
     let (bodies, objects) = (bodies(step, robots), Objects::default());
-    publisher.offer_moment(&bodies, &objects, &info(step));
+    publisher.put_moment(&bodies, &objects, &info(step));
 }
 
 #[test]

@@ -17,8 +17,6 @@ const POLL_EVERY: Duration = Duration::from_millis(500);
 const PATIENCE: u32 = 20;
 /// Longest wait for an answer; the largest jobs take a while to be checked and stored.
 const TIMEOUT: Duration = Duration::from_secs(120);
-/// Fine enough for a bar of a long job.
-const PARTS: u64 = 1_000_000;
 
 #[derive(Debug, clap::Args)]
 struct Server {
@@ -107,9 +105,8 @@ pub fn cancel(arguments: &CancelArguments) -> Result<(), Failure> {
 
 /// Shows a job's progress until it ends.
 fn watch(client: &Client, mut job: Job) -> Result<(), Failure> {
-    let parts = |job: &Job| (job.progress.clamp(0.0, 1.0) * PARTS as f64) as u64;
     let path = job_path(&job.id)?;
-    let mut meter = Meter::of_share(PARTS, parts(&job));
+    let mut meter = Meter::of_share(job.progress);
     let mut failures = 0;
     while !job.state.is_final() {
         std::thread::sleep(POLL_EVERY);
@@ -126,7 +123,7 @@ fn watch(client: &Client, mut job: Job) -> Result<(), Failure> {
         }
         let runs = job.runs;
         let what = format!("{} {}/{} runs", job.state, runs.done, runs.total);
-        meter.show(parts(&job), &what);
+        meter.show_share(job.progress, &what);
     }
     meter.finish();
     output::say(line(&job))?;

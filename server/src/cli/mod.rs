@@ -49,6 +49,10 @@ enum Command {
         /// Threads that step runs [default: one a processor].
         #[arg(long, value_parser = threads)]
         threads: Option<usize>,
+        /// Most bytes that a run may hold; one that holds more fails [default: three quarters of the
+        /// machine's memory over the threads].
+        #[arg(long, value_parser = clap::value_parser!(u64).range(1_000_000..))]
+        run_memory_bytes: Option<u64>,
         /// What clients must send as a bearer token; needed to listen beyond this machine.
         #[arg(long, env = "EVSWARM_TOKEN", hide_env_values = true)]
         token: Option<String>,
@@ -130,12 +134,14 @@ fn dispatch(command: Command) -> Result<(), Failure> {
             listen,
             data,
             threads,
+            run_memory_bytes,
             token,
         } => {
             crate::http::serve(ServeOptions {
                 listen,
                 data,
                 threads,
+                run_memory_bytes,
                 token,
             })?;
             Ok(())

@@ -8,6 +8,13 @@ use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 /// Time between two lines of a log.
 const LOG_EVERY: Duration = Duration::from_secs(10);
 
+/// Fine enough for a bar of a long job.
+const PARTS: u64 = 1_000_000;
+
+fn parts(share: f64) -> u64 {
+    (share.clamp(0.0, 1.0) * PARTS as f64) as u64
+}
+
 /// Shows how far something is.
 pub struct Meter {
     /// What is counted; `None` where only the share done is of interest.
@@ -29,9 +36,9 @@ impl Meter {
         Self::with_unit(Some(unit), total, done)
     }
 
-    /// A meter that shows the share done, but no pace.
-    pub fn of_share(total: u64, done: u64) -> Self {
-        Self::with_unit(None, total, done)
+    /// A meter that shows the share done, 0 to 1, but no pace.
+    pub fn of_share(done: f64) -> Self {
+        Self::with_unit(None, PARTS, parts(done))
     }
 
     fn with_unit(unit: Option<&'static str>, total: u64, done: u64) -> Self {
@@ -54,6 +61,11 @@ impl Meter {
             started_with: done,
             view,
         }
+    }
+
+    /// Shows that a share is done, 0 to 1.
+    pub fn show_share(&mut self, done: f64, what: &str) {
+        self.show(parts(done), what);
     }
 
     /// Shows that `done` units are done; `what` says what is going on.

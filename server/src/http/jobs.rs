@@ -122,6 +122,24 @@ pub async fn resume(
     want(app, id, Intent::Active).await
 }
 
+/// `POST /v1/jobs/{id}/retry`: failed and cancelled runs wait again, from their beginning.
+pub async fn retry(
+    State(app): State<App>,
+    Path(id): Path<String>,
+) -> Result<Json<api::Job>, Refusal> {
+    let seq = job_seq(&id)?;
+    app.blocking(move |app| {
+        let before = found(app, seq)?;
+        let state = before.intent.job_state(&before.counts);
+        if !state.is_final() {
+            return Err(Refusal::conflict(format!("the job is {state}")));
+        }
+        app.scheduler.retry(seq)?;
+        Ok(Json(views::job(&found(app, seq)?, &app.scheduler)))
+    })
+    .await
+}
+
 /// `DELETE /v1/jobs/{id}`: whatever its state, with the runs and results that only it has.
 pub async fn delete(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Refusal> {
     let seq = job_seq(&id)?;

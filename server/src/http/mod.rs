@@ -8,6 +8,7 @@ mod jobs;
 mod page;
 mod pictures;
 mod refusal;
+mod report;
 mod request;
 mod runs;
 mod serve;
@@ -66,7 +67,12 @@ fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, token: Option<&str>) -> 
         .route("/jobs/{id}/summary", get(summary::as_json))
         .route("/jobs/{id}/summary.csv", get(summary::as_csv))
         .route("/jobs/{id}/summary.md", get(summary::as_markdown))
+        .route("/jobs/{id}/report", get(report::claims))
+        .route("/jobs/{id}/report.html", get(report::html))
+        .route("/jobs/{id}/report.md", get(report::markdown))
+        .route("/jobs/{id}/report.csv", get(report::csv))
         .route("/jobs/{id}/cancel", post(jobs::cancel))
+        .route("/jobs/{id}/retry", post(jobs::retry))
         .route("/jobs/{id}/pause", post(jobs::pause))
         .route("/jobs/{id}/resume", post(jobs::resume))
         .route("/runs/{id}", get(runs::show))

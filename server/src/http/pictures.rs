@@ -1,4 +1,5 @@
-//! What is dear to compute and asked for again: pictures, and the squares that a robot can reach.
+//! What is dear to compute and asked for again: pictures, the squares that a robot can reach, and
+//! reports.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -10,17 +11,25 @@ use swarm::world::ObjectPose;
 
 use crate::artifacts::Pushed;
 
+use crate::reproduce::Report;
+use crate::store::JobSeq;
+
 /// Pictures kept, of some 50 kB each.
 const PICTURES: usize = 128;
 /// Masks kept, of a byte a square.
 const MASKS: usize = 64;
 
+/// Reports kept, of some megabytes each.
+const REPORTS: usize = 4;
+
 type Key = [u8; 32];
 
-/// The latest pictures and masks; the least recently used give way.
+/// The latest pictures, masks and reports; the least recently used give way.
 pub struct Pictures {
     pngs: Mutex<LruCache<Key, Bytes>>,
     masks: Mutex<LruCache<Key, Option<Arc<[bool]>>>>,
+    /// Of jobs that are done: these do not change, and no job's number is used again.
+    reports: Mutex<LruCache<JobSeq, Arc<Report>>>,
 }
 
 impl Default for Pictures {
@@ -28,6 +37,7 @@ impl Default for Pictures {
         Self {
             pngs: Mutex::new(LruCache::new(PICTURES)),
             masks: Mutex::new(LruCache::new(MASKS)),
+            reports: Mutex::new(LruCache::new(REPORTS)),
         }
     }
 }
@@ -57,6 +67,20 @@ impl Pictures {
         kept(&self.pngs, hash.finalize().into(), || draw().into())
     }
 
+    /// The report of this job, made only if it is not kept, and kept only if it can be made.
+    pub fn report<E>(
+        &self,
+        job: JobSeq,
+        make: impl FnOnce() -> Result<Report, E>,
+    ) -> Result<Arc<Report>, E> {
+        if let Some(report) = lock(&self.reports).get(&job) {
+            return Ok(Arc::clone(report));
+        }
+        let report = Arc::new(make()?);
+        lock(&self.reports).insert(job, Arc::clone(&report));
+        Ok(report)
+    }
+
     /// The squares that a robot of this radius can reach from the arena's first start.
     pub fn mask(&self, arena: &Arena, body_radius_m: f64) -> Option<Arc<[bool]>> {
         let mut hash = Sha256::new();
@@ -79,7 +103,7 @@ fn kept<V: Clone>(cache: &Mutex<LruCache<Key, V>>, key: Key, make: impl FnOnce()
     value
 }
 
-fn lock<V>(cache: &Mutex<LruCache<Key, V>>) -> MutexGuard<'_, LruCache<Key, V>> {
+fn lock<K, V>(cache: &Mutex<LruCache<K, V>>) -> MutexGuard<'_, LruCache<K, V>> {
     cache.lock().unwrap_or_else(PoisonError::into_inner)
 }
 

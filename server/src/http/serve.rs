@@ -13,7 +13,7 @@ use tokio::signal::unix::{SignalKind, signal};
 
 use super::router;
 use crate::channels::ChannelSettings;
-use crate::scheduler::{Scheduler, SchedulerConfig};
+use crate::scheduler::{Scheduler, SchedulerConfig, run_memory_bytes};
 use crate::store::Store;
 
 /// Most runs that may be unfinished.
@@ -32,6 +32,9 @@ pub struct ServeOptions {
     pub data: PathBuf,
     /// Runs stepped at a time; one a processor when not given.
     pub threads: Option<usize>,
+    /// Most bytes that a run may hold; three quarters of the machine's memory over the threads when
+    /// not given.
+    pub run_memory_bytes: Option<u64>,
     /// What clients must send as a bearer token. Needed to listen beyond loopback.
     pub token: Option<String>,
 }
@@ -63,6 +66,9 @@ pub fn serve(options: ServeOptions) -> anyhow::Result<()> {
         let config = SchedulerConfig {
             workers,
             unfinished_limit: UNFINISHED_LIMIT,
+            run_memory_bytes: options
+                .run_memory_bytes
+                .unwrap_or_else(|| run_memory_bytes(workers)),
             channels: ChannelSettings::default(),
         };
         let scheduler = Arc::new(Scheduler::start(Arc::clone(&store), config)?);

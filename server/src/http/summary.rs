@@ -11,11 +11,8 @@ use super::App;
 use super::jobs::{found, job_seq};
 use super::refusal::Refusal;
 use crate::spec::Design;
-use crate::store::{JobSeq, RunSeq, RunView};
+use crate::store::{JobSeq, RunView};
 use crate::summary::{FinishedRun, Input, csv, markdown, summary};
-
-/// Runs that are read from the store at once.
-const PAGE: u32 = 1_000;
 
 /// `GET /v1/jobs/{id}/summary`.
 pub async fn as_json(
@@ -55,42 +52,52 @@ async fn text(
 
 fn of_job(app: &App, seq: JobSeq) -> Result<JobSummary, Refusal> {
     let job = found(app, seq)?;
-    let mut runs: Vec<RunView> = Vec::new();
-    loop {
-        let from = runs.last().map_or(0, |run| run.ordinal + 1);
-        let page = app.store.runs(seq, from, PAGE)?;
-        if page.is_empty() {
-            break;
-        }
-        runs.extend(page);
-    }
-    let design: Option<Design> = app
+    let runs = app.store.all_runs(seq)?;
+    let designs = app
         .store
         .design(seq)?
-        .map(|text| serde_json::from_str(&text))
+        .map(|text| Design::parse(&text))
         .transpose()
         .map_err(|error| Refusal::internal(&error))?;
     // A job that was stored without its design is one group.
-    let design = design.unwrap_or_else(|| Design {
-        seeds: runs.len(),
-        axes: Vec::new(),
+    let designs = designs.unwrap_or_else(|| {
+        vec![Design {
+            seeds: runs.len(),
+            ..Design::default()
+        }]
     });
-    let seeds = design.seeds.max(1);
-    let labels = runs.iter().step_by(seeds).map(|run| run.label.clone());
+    let first_runs = first_runs(&designs, &runs);
+    let robots = first_runs.iter().map(|part| robots(app, part.first()));
     let input = Input {
         job_id: seq.to_string(),
         name: job.name,
         runs: runs.len() as u64,
-        labels: labels.collect(),
-        robots: robots(app, runs.first().map(|run| run.seq))?,
+        robots: robots.collect::<Result<_, _>>()?,
+        labels: first_runs
+            .iter()
+            .flatten()
+            .map(|run| run.label.clone())
+            .collect(),
         finished: finished(app, &runs)?,
-        design,
+        designs,
     };
     Ok(summary(&input, |place| {
         let run = runs.get(place as usize)?;
         let metrics = app.store.coverage(run.seq).ok()??.metrics;
         (!metrics.first_entry.is_empty()).then_some((metrics.first_entry, metrics.reachable))
     }))
+}
+
+/// The first run of every combination, part by part.
+fn first_runs<'a>(designs: &[Design], runs: &'a [RunView]) -> Vec<Vec<&'a RunView>> {
+    let mut rest = runs;
+    let part = |design: &Design| {
+        let count = (design.combinations() * design.seeds).min(rest.len());
+        let (part, after) = rest.split_at(count);
+        rest = after;
+        part.iter().step_by(design.seeds.max(1)).collect()
+    };
+    designs.iter().map(part).collect()
 }
 
 fn finished(app: &App, runs: &[RunView]) -> Result<Vec<FinishedRun>, Refusal> {
@@ -110,9 +117,9 @@ fn finished(app: &App, runs: &[RunView]) -> Result<Vec<FinishedRun>, Refusal> {
 }
 
 /// Robots of a run, from its stored spec.
-fn robots(app: &App, run: Option<RunSeq>) -> Result<u32, Refusal> {
+fn robots(app: &App, run: Option<&&RunView>) -> Result<u32, Refusal> {
     let Some(run) = run else { return Ok(1) };
-    let text = app.store.spec(run)?.unwrap_or_default();
+    let text = app.store.spec(run.seq)?.unwrap_or_default();
     let spec: Value = serde_json::from_str(&text).map_err(|error| Refusal::internal(&error))?;
     Ok(spec["robots"].as_u64().unwrap_or(1) as u32)
 }

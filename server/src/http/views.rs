@@ -2,44 +2,23 @@
 
 use api::{Job, Progress, RunSummary, State};
 
-use crate::scheduler::{Scheduler, View};
+use crate::scheduler::{Scheduler, View, share};
 use crate::store::{JobView, Position, RunState, RunView};
 
 /// A job, with the progress of its running runs.
 pub fn job(view: &JobView, scheduler: &Scheduler) -> Job {
-    let (mut done, mut total) = (view.robot_steps_done, view.robot_steps_total);
-    let mut left = view.robot_steps_left;
-    let mut speed = 0.0;
-    let mut slowest_s: f64 = 0.0;
-    for run in &view.running {
-        let live = scheduler.view(run.seq);
-        let (run_done, run_total) = match &live {
-            Some(live) => (
-                live.progress.robot_steps_done,
-                live.progress.robot_steps_total,
-            ),
-            None => (run.robot_steps_done, run.robot_steps_total),
-        };
-        done += run_done;
-        total += run_total;
-        left += run_total.saturating_sub(run_done);
-        if let Some(live) = live {
-            speed += live.robot_steps_per_s.unwrap_or(0.0);
-            slowest_s = slowest_s.max(live.eta_s().unwrap_or(0.0));
-        }
-    }
+    let progress = scheduler.progress(view);
     let state = view.intent.job_state(&view.counts);
-    let moves = state == State::Running && speed > 0.0;
+    let running = state == State::Running;
     Job {
         id: view.seq.to_string(),
         name: view.name.clone(),
         state,
         created_at: view.created_at.clone(),
         runs: view.counts,
-        progress: share(done, total),
-        // The last runs leave threads idle: the job takes at least as long as its slowest run.
-        eta_s: moves.then(|| (left as f64 / speed).max(slowest_s)),
-        robot_steps_per_s: moves.then_some(speed),
+        progress: progress.fraction,
+        eta_s: progress.eta_s.filter(|_| running),
+        robot_steps_per_s: progress.robot_steps_per_s.filter(|_| running),
     }
 }
 
@@ -104,13 +83,5 @@ fn stored_progress(position: &Position, view: &RunView) -> Progress {
         fraction: share(position.robot_steps_done, view.robot_steps_total),
         eta_s: None,
         robot_steps_per_s: None,
-    }
-}
-
-fn share(done: u64, total: u64) -> f64 {
-    if total == 0 {
-        0.0
-    } else {
-        (done as f64 / total as f64).min(1.0)
     }
 }

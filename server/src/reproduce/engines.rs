@@ -4,8 +4,9 @@ use serde::Serialize;
 use swarm::spec::EngineKind;
 
 use super::document::{Block, Table};
-use super::plan::{ENGINE_METHODS, Settings};
+use super::plan::Settings;
 use super::results::{Finding, Findings};
+use crate::spec::ENGINE_METHODS;
 use crate::statistics::{compare, summary};
 
 /// Both engines, that of all other experiments first.
@@ -38,6 +39,11 @@ struct Side {
     median_difference: f64,
 }
 
+/// Seeds that both engines have: 1 to so many.
+fn common_seeds(settings: &Settings) -> u32 {
+    settings.rapier_seeds.min(settings.seeds)
+}
+
 const LEVELS: [&str; 2] = ["p1", "p10"];
 
 fn level(run: &Finding, level: &str) -> f64 {
@@ -47,14 +53,14 @@ fn level(run: &Finding, level: &str) -> f64 {
     })
 }
 
-/// A level of every run, over the seeds that were run under rapier too.
+/// A level of every run, over the seeds that were run under both engines.
 fn values(
     settings: &Settings,
     findings: &Findings,
     (arena, method, engine): (&str, &str, EngineKind),
     name: &str,
 ) -> Vec<f64> {
-    let seeds = u64::from(settings.rapier_seeds);
+    let seeds = u64::from(common_seeds(settings));
     findings
         .under(engine, arena, method)
         .filter(|run| run.seed <= seeds)
@@ -107,7 +113,7 @@ pub fn section(settings: &Settings, findings: &Findings, pairs: &[EnginePair]) -
     if pairs.is_empty() {
         return Vec::new();
     }
-    let seeds = settings.rapier_seeds;
+    let seeds = common_seeds(settings);
     let same = pairs.iter().filter(|pair| pair.same_direction).count();
     let words = |words: &[&str]| words.iter().map(|&word| word.to_owned()).collect();
     vec![

@@ -1,6 +1,7 @@
 //! The experiments of the thesis's chapter 5 as one command: which runs, and a report of them.
 //!
-//! Everything here is a function of result directories; whoever runs them is `cli`'s concern.
+//! Everything here is a function of stored results; who has the runs stepped is `cli`'s and
+//! `http`'s concern.
 
 mod claims;
 mod curves;
@@ -14,5 +15,5 @@ mod report;
 mod results;
 mod sections;
 
-pub use plan::{Plan, PlannedRun, Settings};
-pub use report::{replace, write_report};
+pub use plan::{Plan, Settings};
+pub use report::{Report, replace};

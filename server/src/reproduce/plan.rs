@@ -1,23 +1,17 @@
-//! Which runs the experiments need: the template `chapter-5` cut to the settings, and for claim 9
-//! Ev-ITER-C with shorter first phases.
+//! Which runs the experiments need: the template `chapter-5` cut to the settings.
 
-use std::path::{Path, PathBuf};
-
-use api::FieldError;
-use serde_json::{Value, json};
+use anyhow::Context;
+use api::{FieldError, RunSpec};
+use serde_json::json;
 use swarm::spec::EngineKind;
 
-use crate::spec::{self, BuiltinArenas, ResolvedRun};
+use crate::spec::{
+    self, BuiltinArenas, ExpandedJob, ResolvedRun, SHORT_PHASE_METHOD, SHORT_PHASES, chapter_5,
+};
+use crate::store::{RunView, Store};
 
-/// The arena, method and first phases of claim 9.
-pub(super) const SHORT_PHASE_ARENA: &str = "maze";
-/// As above.
-pub(super) const SHORT_PHASE_METHOD: &str = "ev-iter-c";
-/// As above, epochs; the template has 200.
-pub(super) const SHORT_PHASES: [u32; 2] = [20, 50];
-
-/// The main comparison, which is repeated under the engine rapier.
-pub(super) const ENGINE_METHODS: [&str; 3] = ["im", "ev-iter-c", "curiosity-a"];
+/// Most runs of a stored job that is looked at.
+const MAX_RUNS: usize = 20_000;
 
 /// What to reproduce.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -30,7 +24,7 @@ pub struct Settings {
     pub steps_per_epoch: u32,
     /// Names of built-in arenas, each once.
     pub arenas: Vec<String>,
-    /// Seeds of the main comparison under the engine rapier; at most `seeds`, 0 leaves it out.
+    /// Seeds of the main comparison under the engine rapier; 0 leaves it out.
     pub rapier_seeds: u32,
 }
 
@@ -56,58 +50,95 @@ pub struct PlannedRun {
     pub spec: ResolvedRun,
 }
 
-impl PlannedRun {
-    /// The run's result directory inside that of the whole.
-    pub fn directory(&self, out: &Path) -> PathBuf {
-        out.join("runs").join(self.spec.key())
-    }
-}
-
 /// Label of Ev-ITER-C with a first phase of so many epochs.
 pub(super) fn short_phase_label(epochs: u32) -> String {
     format!("{SHORT_PHASE_METHOD}:{epochs}")
 }
 
-impl Plan {
-    /// The runs of these settings.
+impl Settings {
+    /// The job of these settings.
     ///
     /// # Errors
-    /// Every setting that cannot be used, with its place in the job that it would make.
-    pub fn new(settings: Settings) -> Result<Self, Vec<FieldError>> {
-        let base = json!({
-            "epochs": settings.epochs,
-            "steps_per_epoch": settings.steps_per_epoch,
-        });
-        let seeds = json!({ "first": 1, "count": settings.seeds });
-        let job = json!({
-            "template": "chapter-5",
-            "base": base,
-            "matrix": { "arena": settings.arenas, "controller.method": methods() },
-            "seeds": seeds,
-        });
-        let mut runs = expanded(&job, |spec| spec.method().name().to_owned())?;
-        if settings.arenas.iter().any(|name| name == SHORT_PHASE_ARENA) {
-            for epochs in SHORT_PHASES {
-                let mut base = base.clone();
-                base["arena"] = Value::from(SHORT_PHASE_ARENA);
-                base["controller"] =
-                    json!({ "method": SHORT_PHASE_METHOD, "train": { "epochs": epochs } });
-                let job = json!({ "base": base, "seeds": seeds });
-                runs.extend(expanded(&job, |_| short_phase_label(epochs))?);
+    /// Every setting that cannot be used, with its place in the job.
+    pub fn job(&self) -> Result<ExpandedJob, Vec<FieldError>> {
+        let arenas: Vec<&str> = self.arenas.iter().map(String::as_str).collect();
+        let base = json!({ "epochs": self.epochs, "steps_per_epoch": self.steps_per_epoch });
+        let mut job = chapter_5(&arenas, base, self.seeds, self.rapier_seeds);
+        job["name"] = spec::CHAPTER_5.into();
+        spec::expand(&job, &BuiltinArenas)
+    }
+
+    /// The settings of which these could be the runs, in the order of the job.
+    pub fn of_runs(runs: &[RunSpec]) -> Option<Self> {
+        let mut settings = Self {
+            seeds: 0,
+            epochs: runs.first()?.epochs?,
+            steps_per_epoch: runs.first()?.steps_per_epoch?,
+            arenas: Vec::new(),
+            rapier_seeds: 0,
+        };
+        for run in runs {
+            let Some(api::ArenaRef::Name(arena)) = &run.arena else {
+                return None;
+            };
+            let seed = u32::try_from(run.seed?).ok()?;
+            let rapier = run.engine.as_deref() == Some(EngineKind::Rapier.name());
+            let seeds = if rapier {
+                &mut settings.rapier_seeds
+            } else {
+                &mut settings.seeds
+            };
+            *seeds = seed.max(*seeds);
+            if !settings.arenas.contains(arena) {
+                settings.arenas.push(arena.clone());
             }
         }
-        if settings.rapier_seeds > 0 {
-            let mut base = base;
-            base["engine"] = Value::from(EngineKind::Rapier.name());
-            let job = json!({
-                "template": "chapter-5",
-                "base": base,
-                "matrix": { "arena": settings.arenas, "controller.method": ENGINE_METHODS },
-                "seeds": { "first": 1, "count": settings.rapier_seeds.min(settings.seeds) },
-            });
-            runs.extend(expanded(&job, |spec| spec.method().name().to_owned())?);
+        // Every seed from 1 on has a run: more cannot be.
+        let most = settings.seeds.max(settings.rapier_seeds) as usize;
+        (most <= runs.len()).then_some(settings)
+    }
+}
+
+impl Plan {
+    /// The plan that a stored job carried out; `None` if its runs are not exactly those of one.
+    ///
+    /// # Errors
+    /// When the store fails or holds what cannot be read.
+    pub fn of_job(runs: &[RunView], store: &Store) -> anyhow::Result<Option<Self>> {
+        if runs.len() > MAX_RUNS {
+            return Ok(None);
         }
-        Ok(Self { settings, runs })
+        let spec = |run: &RunView| {
+            let text = store.spec(run.seq)?.context("a run is gone")?;
+            serde_json::from_str(&text).context("a stored spec cannot be read")
+        };
+        let specs = runs.iter().map(spec).collect::<anyhow::Result<Vec<_>>>()?;
+        let Some(settings) = Settings::of_runs(&specs) else {
+            return Ok(None);
+        };
+        let Ok(job) = settings.job() else {
+            return Ok(None);
+        };
+        let same = job
+            .runs
+            .iter()
+            .map(ResolvedRun::key)
+            .eq(runs.iter().map(|run| run.id.as_str()));
+        Ok(same.then(|| Self::new(settings, &job)))
+    }
+
+    /// The runs of a job of these settings.
+    pub fn new(settings: Settings, job: &ExpandedJob) -> Self {
+        let runs = job.runs.iter().map(|spec| PlannedRun {
+            arena: spec.arena().name().to_owned(),
+            method: label(spec),
+            engine: spec.engine(),
+            spec: spec.clone(),
+        });
+        Self {
+            runs: runs.collect(),
+            settings,
+        }
     }
 
     /// Labels of the methods, each once, in the order of the report.
@@ -138,30 +169,14 @@ impl Plan {
     }
 }
 
-/// The methods of the template, in its order.
-fn methods() -> Value {
-    spec::templates()
-        .into_iter()
-        .find(|template| template.name == "chapter-5")
-        .map_or(Value::Null, |template| {
-            template.job["matrix"]["controller.method"].clone()
-        })
-}
-
-fn expanded(
-    job: &Value,
-    method: impl Fn(&ResolvedRun) -> String,
-) -> Result<Vec<PlannedRun>, Vec<FieldError>> {
-    let runs = spec::expand(job, &BuiltinArenas)?.runs;
-    Ok(runs
-        .into_iter()
-        .map(|spec| PlannedRun {
-            arena: spec.arena().name().to_owned(),
-            method: method(&spec),
-            engine: spec.engine(),
-            spec,
-        })
-        .collect())
+fn label(run: &ResolvedRun) -> String {
+    let spec = run.run_spec();
+    let epochs = spec.controller.training.map(|training| training.epochs);
+    let short = epochs.filter(|epochs| SHORT_PHASES.contains(epochs));
+    match short {
+        Some(epochs) if run.method().name() == SHORT_PHASE_METHOD => short_phase_label(epochs),
+        _ => run.method().name().to_owned(),
+    }
 }
 
 #[cfg(test)]
@@ -179,52 +194,58 @@ mod tests {
         }
     }
 
+    fn plan(settings: Settings) -> Plan {
+        let job = settings.job().unwrap();
+        Plan::new(settings, &job)
+    }
+
     #[test]
-    fn the_whole_is_the_template_and_the_short_phases() {
-        let plan = Plan::new(settings(&["easy", "graph", "maze"])).unwrap();
-        assert_eq!(plan.runs.len(), 450 + 30);
+    fn the_whole_is_the_template() {
+        let whole = Settings {
+            rapier_seeds: 5,
+            ..settings(&["easy", "graph", "maze"])
+        };
+        let plan = plan(whole.clone());
+        assert_eq!(plan.runs.len(), 450 + 30 + 45);
         assert_eq!(plan.methods().len(), 12);
         let template = spec::expand(&json!({ "template": "chapter-5" }), &BuiltinArenas).unwrap();
-        let keys = |runs: &[PlannedRun]| -> Vec<String> {
-            runs.iter().map(|run| run.spec.key()).collect()
-        };
+        let keys: Vec<String> = plan.runs.iter().map(|run| run.spec.key()).collect();
         let of_template: Vec<String> = template.runs.iter().map(ResolvedRun::key).collect();
-        assert_eq!(keys(&plan.runs[..450]), of_template);
-        let mut all = keys(&plan.runs);
-        all.sort();
-        all.dedup();
-        assert_eq!(all.len(), 480);
-        let last = plan.runs.last().unwrap();
+        assert_eq!(keys, of_template);
+        let last_short = &plan.runs[479];
         assert_eq!(
-            (last.arena.as_str(), last.method.as_str()),
+            (last_short.arena.as_str(), last_short.method.as_str()),
             ("maze", "ev-iter-c:50")
         );
-        let training = last.spec.run_spec().controller.training.unwrap();
+        let training = last_short.spec.run_spec().controller.training.unwrap();
         assert_eq!((training.arena.name(), training.epochs), ("easy", 50));
+
+        let specs: Vec<RunSpec> = template.runs.iter().map(ResolvedRun::canonical).collect();
+        assert_eq!(Settings::of_runs(&specs), Some(whole));
+        assert_eq!(Settings::of_runs(&[]), None);
+        assert_eq!(Settings::of_runs(&specs[14..15]), None, "seed 15 alone");
     }
 
     #[test]
     fn the_main_comparison_is_repeated_under_rapier() {
-        let plan = Plan::new(Settings {
+        let plan = plan(Settings {
             rapier_seeds: 5,
             ..settings(&["easy", "maze"])
-        })
-        .unwrap();
+        });
         let rapier = |run: &&PlannedRun| run.engine == EngineKind::Rapier;
         assert_eq!(plan.runs.iter().filter(rapier).count(), 2 * 3 * 5);
-        assert_eq!(plan.methods().len(), 12);
         let run = plan.runs.iter().find(rapier).unwrap().spec.run_spec();
         assert_eq!(run.engine, EngineKind::Rapier);
     }
 
     #[test]
     fn short_phases_belong_to_the_maze() {
-        assert_eq!(Plan::new(settings(&["easy"])).unwrap().runs.len(), 150);
+        assert_eq!(plan(settings(&["easy"])).runs.len(), 150);
     }
 
     #[test]
     fn an_arena_that_does_not_exist_is_pointed_at() {
-        let errors = Plan::new(settings(&["easy", "amaze"])).unwrap_err();
-        assert_eq!(errors[0].pointer, "/matrix/arena/1");
+        let errors = settings(&["easy", "amaze"]).job().unwrap_err();
+        assert_eq!(errors[0].pointer, "/parts/0/matrix/arena/1");
     }
 }

@@ -1,4 +1,4 @@
-//! The report: four files, a function of the runs' results alone.
+//! The report: four texts, a function of the runs' results alone.
 
 use std::io::Write;
 use std::path::Path;
@@ -13,45 +13,78 @@ use super::plan::Plan;
 use super::results::{Finding, Findings};
 use super::{curves, engines, sections};
 use crate::spec::{ArenaSource, BuiltinArenas};
+use crate::store::Store;
 
-/// Reads every run of the plan and writes `runs.csv`, `claims.json`, `report.md` and `report.html`
-/// into `out`, each as a whole. Equal results give equal bytes. Returns a line for each claim.
-///
-/// # Errors
-/// A run that is missing or cannot be read, a file that cannot be written.
-pub fn write_report(plan: &Plan, out: &Path) -> anyhow::Result<Vec<String>> {
-    let findings = Findings::read(plan, out)?;
-    let radius_m = plan
-        .runs
-        .first()
-        .context("there are no runs")?
-        .spec
-        .body_radius_m();
-    let claims = claims::judge(&plan.settings, &findings, radius_m)?;
-    let blocks = blocks(plan, &findings, &claims, radius_m)?;
-    let mut claims_json = serde_json::to_string_pretty(&claims)?;
-    claims_json.push('\n');
-    for (name, text) in [
-        ("runs.csv", findings.csv()),
-        ("claims.json", claims_json),
-        ("report.md", document::markdown(&blocks)),
-        ("report.html", document::html(&blocks)),
-    ] {
-        replace(&out.join(name), text.as_bytes())?;
+/// The report on a plan's runs. Equal results give equal bytes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Report {
+    /// One line a run.
+    pub runs_csv: String,
+    /// The claims with their tests.
+    pub claims_json: String,
+    /// Tables in Markdown.
+    pub markdown: String,
+    /// All of it with pictures, one page that needs no other file.
+    pub html: String,
+    /// A line for each claim.
+    pub verdicts: Vec<String>,
+}
+
+impl Report {
+    /// Reads every run of the plan from the store and judges them.
+    ///
+    /// # Errors
+    /// A run that is missing or cannot be read.
+    pub fn new(plan: &Plan, store: &Store) -> anyhow::Result<Self> {
+        let findings = Findings::read(plan, store)?;
+        let radius_m = plan
+            .runs
+            .first()
+            .context("there are no runs")?
+            .spec
+            .body_radius_m();
+        let claims = claims::judge(&plan.settings, &findings, radius_m)?;
+        let blocks = blocks(plan, &findings, &claims, radius_m)?;
+        let mut claims_json = serde_json::to_string_pretty(&claims)?;
+        claims_json.push('\n');
+        Ok(Self {
+            runs_csv: findings.csv(),
+            claims_json,
+            markdown: document::markdown(&blocks),
+            html: document::html(&blocks),
+            verdicts: claims.claims.iter().map(verdict).collect(),
+        })
     }
-    let line = |claim: &claims::Claim| {
-        let at_p10 = match claim.verdict_p10 {
-            claims::Verdict::NotTested => String::new(),
-            verdict => format!("p10 {}", verdict.name()),
-        };
-        format!(
-            "claim {:>2}: {:<12} {at_p10:<16} {}",
-            claim.claim,
-            claim.verdict.name(),
-            claim.text
-        )
+
+    /// Writes `runs.csv`, `claims.json`, `report.md` and `report.html` into a directory, each as a
+    /// whole.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write(&self, out: &Path) -> anyhow::Result<()> {
+        for (name, text) in [
+            ("runs.csv", &self.runs_csv),
+            ("claims.json", &self.claims_json),
+            ("report.md", &self.markdown),
+            ("report.html", &self.html),
+        ] {
+            replace(&out.join(name), text.as_bytes())?;
+        }
+        Ok(())
+    }
+}
+
+fn verdict(claim: &claims::Claim) -> String {
+    let at_p10 = match claim.verdict_p10 {
+        claims::Verdict::NotTested => String::new(),
+        verdict => format!("p10 {}", verdict.name()),
     };
-    Ok(claims.claims.iter().map(line).collect())
+    format!(
+        "claim {:>2}: {:<12} {at_p10:<16} {}",
+        claim.claim,
+        claim.verdict.name(),
+        claim.text
+    )
 }
 
 /// Writes a file as a whole or not at all.

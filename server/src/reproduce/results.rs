@@ -1,16 +1,14 @@
-//! What the runs left behind, read back from their directories.
+//! What the runs found, read from the store.
 
 use std::fmt::Write;
-use std::fs;
-use std::path::Path;
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, bail};
 use api::RunResult;
 use swarm::spec::EngineKind;
 
 use super::plan::{Plan, PlannedRun};
-use crate::artifacts;
 use crate::statistics::{Summary, summary};
+use crate::store::Store;
 
 /// One finished run.
 #[derive(Clone, Debug)]
@@ -56,12 +54,11 @@ impl Findings {
     /// Reads every run of the plan.
     ///
     /// # Errors
-    /// A run that is not there, is another's, or cannot be read.
-    pub fn read(plan: &Plan, out: &Path) -> anyhow::Result<Self> {
+    /// A run that is not there, is not finished, or cannot be read.
+    pub fn read(plan: &Plan, store: &Store) -> anyhow::Result<Self> {
         let read = |run: &PlannedRun| {
-            let directory = run.directory(out);
-            read_run(run, &directory)
-                .with_context(|| format!("cannot use the run in {}", directory.display()))
+            let key = run.spec.key();
+            read_run(run, store, &key).with_context(|| format!("cannot use run {key}"))
         };
         plan.runs
             .iter()
@@ -161,50 +158,21 @@ impl Findings {
     }
 }
 
-fn read_run(run: &PlannedRun, directory: &Path) -> anyhow::Result<Finding> {
-    match artifacts::is_complete(directory) {
-        None => bail!("it is not finished"),
-        Some(spec) => ensure!(spec == run.spec.canonical_json(), "it has another spec"),
-    }
-    let text = |name: &str| {
-        fs::read_to_string(directory.join(name)).with_context(|| format!("cannot read {name}"))
+fn read_run(run: &PlannedRun, store: &Store, key: &str) -> anyhow::Result<Finding> {
+    let stored = store.run(key)?.context("it is not stored")?;
+    let coverage = store.coverage(stored.seq)?;
+    let (Some(result), Some(coverage)) = (stored.result, coverage) else {
+        bail!("it is not finished");
     };
-    let result = serde_json::from_str(&text("result.json")?).context("cannot read result.json")?;
-    let p1_by_epoch = p1_by_epoch(&text("curve.csv")?).context("cannot read curve.csv")?;
-    let visits = fs::read(directory.join("visits.npy")).context("cannot read visits.npy")?;
-    let squares = run.spec.arena().squares();
     Ok(Finding {
         arena: run.arena.clone(),
         method: run.method.clone(),
         engine: run.engine,
         seed: run.spec.seed(),
         result,
-        p1_by_epoch,
-        visits: read_visits(&visits, squares).context("visits.npy is damaged")?,
+        p1_by_epoch: coverage.curve.iter().map(|row| f64::from(row.p1)).collect(),
+        visits: coverage.visits,
     })
-}
-
-/// The second column of a `curve.csv`.
-fn p1_by_epoch(text: &str) -> anyhow::Result<Vec<f64>> {
-    text.lines()
-        .skip(1)
-        .map(|line| {
-            let p1 = line.split(',').nth(1).context("a line has one column")?;
-            p1.parse().with_context(|| format!("{p1:?} is no number"))
-        })
-        .collect()
-}
-
-/// The numbers of a `visits.npy` that this program wrote for so many columns and rows of squares.
-fn read_visits(bytes: &[u8], squares: [u32; 2]) -> Option<Vec<u32>> {
-    let count = squares[0] as usize * squares[1] as usize;
-    let start = bytes.len().checked_sub(4 * count)?;
-    let visits: Vec<u32> = bytes[start..]
-        .chunks_exact(4)
-        .map(|number| u32::from_le_bytes([number[0], number[1], number[2], number[3]]))
-        .collect();
-    // Header and all must be what the program writes for these visits.
-    (artifacts::visits_npy(&visits, squares) == bytes).then_some(visits)
 }
 
 #[cfg(test)]
@@ -282,21 +250,5 @@ mod tests {
                 .summaries("maze", "brownian", Finding::counts)
                 .is_none()
         );
-    }
-
-    #[test]
-    fn visits_are_read_back() {
-        let visits: Vec<u32> = (0..9).collect();
-        let mut bytes = artifacts::visits_npy(&visits, [3, 3]);
-        assert_eq!(read_visits(&bytes, [3, 3]), Some(visits));
-        assert_eq!(read_visits(&bytes[1..], [3, 3]), None);
-        assert_eq!(read_visits(&bytes, [4, 4]), None);
-        bytes[0] = 0;
-        assert_eq!(read_visits(&bytes, [3, 3]), None);
-        assert_eq!(
-            p1_by_epoch("epoch,p1,p2\n1,5,3\n2,7,4\n").unwrap(),
-            [5.0, 7.0]
-        );
-        assert!(p1_by_epoch("epoch,p1\n1\n").is_err());
     }
 }

@@ -7,10 +7,11 @@ use std::time::{Duration, Instant};
 use api::FieldError;
 use swarm::run::{Phase, Progress, Run};
 
+use super::SchedulerConfig;
 use super::live::{LiveRun, Speed, View, coverage_of};
 use super::pace::Pace;
 use crate::artifacts::{run_result, thread_cpu_s};
-use crate::channels::{ChannelSettings, Extent, FramePublisher};
+use crate::channels::{Extent, FramePublisher};
 use crate::spec::{ResolvedRun, parse, resolve};
 use crate::store::{Checkpoint, ClaimedRun, Finished, Position, Store};
 
@@ -34,7 +35,7 @@ pub enum Ended {
 /// Steps a run until it ends or is asked to stop. May panic where the simulation does.
 pub fn attempt(
     store: &Arc<Store>,
-    channels: &ChannelSettings,
+    config: &SchedulerConfig,
     claimed: &ClaimedRun,
     live: &LiveRun,
 ) -> Ended {
@@ -51,7 +52,7 @@ pub fn attempt(
     let extent = Extent::of(&resolved.run_spec());
     let mut frames = resolved
         .channels()
-        .then(|| FramePublisher::open_or_warn(channels, &claimed.id, extent))
+        .then(|| FramePublisher::open_or_warn(&config.channels, &claimed.id, extent))
         .flatten();
     let mut progress = run.progress();
     let done_before = progress.robot_steps_done;
@@ -59,12 +60,17 @@ pub fn attempt(
     let mut views = Pace::new(VIEW.0, VIEW.1, Duration::ZERO);
     let mut checkpoints = Pace::new(CHECKPOINT.0, CHECKPOINT.1, CHECKPOINT.0);
     let mut block = Block::default();
+    let mut bytes = run.bytes();
     while progress.phase != Phase::Done && !live.is_stopping() {
+        if bytes > config.run_memory_bytes {
+            return Ended::Failed(too_much_memory(bytes, config.run_memory_bytes));
+        }
         progress = block.advance(&mut run);
         if let Some(frames) = &mut frames {
             frames.offer(&run);
         }
         views.when_due(|| {
+            bytes = run.bytes();
             let measured = speed.update(Instant::now(), progress.robot_steps_done);
             let robot_steps_per_s = measured.or(live.pace());
             live.publish(View {
@@ -162,6 +168,13 @@ fn open(store: &Store, id: &str, resolved: &ResolvedRun) -> Result<Run, Vec<Fiel
 
 fn warn_discarded(id: &str, error: &dyn std::fmt::Display) {
     tracing::warn!(run = id, %error, "the checkpoint is discarded; the run starts again");
+}
+
+fn too_much_memory(bytes: u64, most: u64) -> String {
+    format!(
+        "the run holds {bytes} bytes and this server allows a run {most} (--run-memory-bytes): \
+         give it a memory_budget_bytes, fewer robots or smaller caps of its learners"
+    )
 }
 
 fn spec_failure(errors: Vec<FieldError>) -> String {

@@ -6,6 +6,7 @@ mod arenas;
 mod attempt;
 mod live;
 mod pace;
+mod progress;
 mod queue;
 mod submission;
 #[cfg(test)]
@@ -28,6 +29,7 @@ pub use arenas::StoredArenas;
 use attempt::Ended;
 use live::LiveRun;
 pub use live::View;
+pub use progress::share;
 use queue::FairQueue;
 pub use submission::new_job;
 
@@ -41,6 +43,8 @@ pub struct SchedulerConfig {
     pub workers: NonZeroUsize,
     /// Most runs that may be unfinished before jobs are refused.
     pub unfinished_limit: u64,
+    /// Most bytes that a run may hold: one that holds more fails, and the process goes on.
+    pub run_memory_bytes: u64,
     /// Where runs that ask for it show their frames.
     pub channels: ChannelSettings,
 }
@@ -67,6 +71,13 @@ struct State {
     /// Robot-steps a second of the run that was let go of last.
     pace: Option<f64>,
     stopping: bool,
+}
+
+/// Three quarters of the machine's memory, shared by the workers.
+pub fn run_memory_bytes(workers: NonZeroUsize) -> u64 {
+    let info = rustix::system::sysinfo();
+    let total = info.totalram as u64 * u64::from(info.mem_unit);
+    total / 4 * 3 / workers.get() as u64
 }
 
 impl Scheduler {
@@ -144,6 +155,19 @@ impl Scheduler {
             self.shared.state().queue.remove(job);
             self.shared.let_go(&changed, intent == Intent::Cancelled);
         }
+        Ok(())
+    }
+
+    /// Makes the failed and cancelled runs of a job wait again; see [`Store::retry`].
+    ///
+    /// # Errors
+    /// When the store fails.
+    pub fn retry(&self, job: JobSeq) -> Result<(), StoreError> {
+        let _changing = self.changing();
+        self.shared.store.retry(job)?;
+        let waiting = self.shared.store.waiting(job)?;
+        self.shared.state().queue.set(job, waiting);
+        self.shared.changed.notify_all();
         Ok(())
     }
 
@@ -290,9 +314,8 @@ impl Shared {
 
     /// Steps a claimed run and stores what became of it.
     fn step(&self, claimed: &ClaimedRun, live: &LiveRun) {
-        let stepping = AssertUnwindSafe(|| {
-            attempt::attempt(&self.store, &self.config.channels, claimed, live)
-        });
+        let stepping =
+            AssertUnwindSafe(|| attempt::attempt(&self.store, &self.config, claimed, live));
         let ended = catch_unwind(stepping).unwrap_or_else(|panic| Ended::Failed(said(&*panic)));
         match ended {
             Ended::Finished(finished) => {

@@ -1,18 +1,22 @@
 //! From an expanded job to what the store keeps of it.
 
 use api::ArenaRef;
+use swarm::spec::EngineKind;
 
 use crate::spec::{ArenaSource, BuiltinArenas, ExpandedJob, ResolvedRun};
 use crate::store::{JobRequest, NewJob, NewRun};
 
+/// About what a robot-step of rigid bodies costs against one of the kinematic engine, for one robot
+/// (`docs/performance.md`). Only estimates of what is left depend on it.
+const RAPIER_STEP_COST: u32 = 20;
+
 /// The job with its runs, and the request that it came in.
 pub fn new_job(job: ExpandedJob, request: JobRequest) -> NewJob {
-    let runs = job.runs.iter().enumerate();
+    let runs = job.runs.iter().zip(&job.labels);
     NewJob {
-        runs: runs
-            .map(|(place, run)| new_run(run, job.label(place)))
-            .collect(),
-        design: job.design(),
+        runs: runs.map(|(run, label)| new_run(run, label)).collect(),
+        // Strings and JSON values: JSON can hold all of them.
+        design: serde_json::to_string(&job.designs).unwrap_or_default(),
         name: job.name,
         request,
     }
@@ -27,6 +31,10 @@ fn new_run(run: &ResolvedRun, label: &str) -> NewRun {
         method: run.method().name().to_owned(),
         epochs_total: run.epochs(),
         robot_steps_total: run.robot_steps(),
+        step_cost: match run.engine() {
+            EngineKind::Kinematic => 1,
+            EngineKind::Rapier => RAPIER_STEP_COST,
+        },
         uploaded_arenas: uploaded_arenas(run.shown()),
         label: label.to_owned(),
     }

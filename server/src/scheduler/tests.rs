@@ -10,7 +10,7 @@ use swarm::run::Run;
 
 use super::*;
 use crate::spec::{BuiltinArenas, ResolvedRun, expand};
-use crate::store::JobRequest;
+use crate::store::{JobRequest, RunState};
 
 const PATIENCE: Duration = Duration::from_secs(120);
 
@@ -19,6 +19,7 @@ fn start(dir: &Path, workers: usize) -> (Arc<Store>, Scheduler) {
     let config = SchedulerConfig {
         workers: NonZeroUsize::new(workers).unwrap(),
         unfinished_limit: 100,
+        run_memory_bytes: 64 << 20,
         channels: ChannelSettings::default(),
     };
     let scheduler = Scheduler::start(Arc::clone(&store), config).unwrap();
@@ -80,6 +81,30 @@ fn digest_alone(run: &ResolvedRun) -> String {
     let mut run = Run::new(run.run_spec()).unwrap();
     run.advance(u64::MAX);
     run.outcome().unwrap().state_sha256
+}
+
+#[test]
+fn a_run_that_holds_too_much_fails_and_others_go_on() {
+    let home = tempfile::tempdir().unwrap();
+    let (store, scheduler) = start(home.path(), 1);
+    // Their samples take some 100 MB while they babble; 64 MiB are allowed.
+    let swarm = json!({
+        "base": {
+            "arena": { "from": "easy", "tile": [5, 4] }, "robots": 300, "placement": "grid",
+            "controller": { "method": "im", "babbling_epochs": 100 }, "epochs": 1,
+        },
+    });
+    let large = submit(&scheduler, &swarm);
+    let small = submit(&scheduler, &job(2, 1));
+    wait_for("the failure", || {
+        store.job(large).unwrap().unwrap().counts.failed == 1
+    });
+    let run = store.all_runs(large).unwrap().remove(0);
+    let RunState::Failed { reason } = run.state else {
+        panic!("{run:?}")
+    };
+    assert!(reason.contains("memory_budget_bytes"), "{reason}");
+    wait_until_done(&store, small);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! A job: the product of a matrix over a base run and of seeds.
+//! A job: the product of a matrix over a base run and of seeds; or several such parts.
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -7,9 +7,11 @@ use api::{FieldError, SCHEMA};
 use serde_json::{Map, Value};
 
 use super::arena::{ArenaSource, Arenas};
+use super::design::Design;
 use super::fields::{Errors, Object, did_you_mean, join, kind};
-use super::labels::{labels, shortened};
+use super::labels::labels;
 use super::matrix::{Axis, Target, axes, combination, place_of};
+use super::parts::{Part, parts};
 use super::placement::misfits;
 use super::resolve::{MAX_SEED, resolve_with};
 use super::resolved::ResolvedRun;
@@ -24,74 +26,53 @@ const MAX_BYTES: usize = 256 << 20;
 /// Wrong fields after which no more combinations are tried.
 const ENOUGH_ERRORS: usize = 100;
 
-const FIELDS: [&str; 6] = ["schema", "name", "base", "matrix", "seeds", "template"];
-
-/// What a job varies: its runs are the product of the axes, the last one fastest, and of seeds.
-#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Design {
-    /// Seeds of each combination.
-    pub seeds: usize,
-    /// In order.
-    pub axes: Vec<DesignAxis>,
-}
-
-/// An axis: places in the run spec that vary together.
-#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct DesignAxis {
-    /// Dotted paths, mostly one.
-    pub paths: Vec<String>,
-    /// For each value one entry a path; long ones in short.
-    pub values: Vec<Vec<Value>>,
-}
+pub(super) const FIELDS: [&str; 7] = [
+    "schema", "name", "base", "matrix", "seeds", "parts", "template",
+];
 
 /// A job's runs.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct ExpandedJob {
     /// Its name; empty when none was given.
     pub name: String,
-    /// Its runs, no two with the same key: combinations in order of the axes' names with the last
-    /// axis fastest, and within each the seeds as given.
+    /// Its runs, no two with the same key: part by part, combinations in order of the axes' names
+    /// with the last axis fastest, and within each the seeds as given.
     pub runs: Vec<ResolvedRun>,
-    /// One for each combination.
-    labels: Vec<String>,
-    /// What varies.
-    axes: Vec<DesignAxis>,
-}
-
-impl ExpandedJob {
-    /// What the job varies, as JSON.
-    pub fn design(&self) -> String {
-        let design = Design {
-            seeds: self.runs.len() / self.labels.len().max(1),
-            axes: self.axes.clone(),
-        };
-        // Strings and JSON values: JSON can hold all of them.
-        serde_json::to_string(&design).unwrap_or_default()
-    }
-
-    /// What of the matrix the run at `place` of `runs` has, in words; empty when nothing varies.
-    pub fn label(&self, place: usize) -> &str {
-        let seeds = self.runs.len() / self.labels.len().max(1);
-        self.labels
-            .get(place / seeds.max(1))
-            .map_or("", String::as_str)
-    }
+    /// What of its matrix each run has, in words; empty when nothing varies.
+    pub labels: Vec<String>,
+    /// What varies, part by part.
+    pub designs: Vec<Design>,
 }
 
 /// How many runs a job has, without making them: 0 for one that is wrong or has too many.
 pub fn run_count(job: &Value) -> u64 {
     let mut errors = Errors::default();
     let job = with_template(job, &mut errors);
-    let count = Object::open(&job, "", FIELDS, &mut errors).and_then(|object| {
+    let count = match parts(&job, &mut errors) {
+        None => 0,
+        Some(parts) if parts.is_empty() => product_count(&job, &mut errors),
+        Some(parts) => parts
+            .iter()
+            .map(|part| product_count(&part.job, &mut errors))
+            .fold(0, usize::saturating_add),
+    };
+    if errors.is_empty() && count <= MAX_RUNS {
+        count as u64
+    } else {
+        0
+    }
+}
+
+/// Runs of a job without parts.
+fn product_count(job: &Value, errors: &mut Errors) -> usize {
+    let count = Object::open(job, "", FIELDS, errors).and_then(|object| {
         let empty = Value::Object(Map::new());
         let base = object.get("base").unwrap_or(&empty);
-        let seeds = seeds(&object, base, &mut errors)?;
-        let axes = axes(object.get("matrix").unwrap_or(&empty), &mut errors)?;
+        let seeds = seeds(&object, base, errors)?;
+        let axes = axes(object.get("matrix").unwrap_or(&empty), errors)?;
         combinations(&axes)?.checked_mul(seeds.len())
     });
-    count
-        .filter(|&count| errors.is_empty() && count <= MAX_RUNS)
-        .map_or(0, |count| count as u64)
+    count.unwrap_or(usize::MAX)
 }
 
 fn combinations(axes: &[Axis<'_>]) -> Option<usize> {
@@ -108,11 +89,65 @@ fn combinations(axes: &[Axis<'_>]) -> Option<usize> {
 pub fn expand(job: &Value, arenas: &dyn ArenaSource) -> Result<ExpandedJob, Vec<FieldError>> {
     let mut errors = Errors::default();
     let job = with_template(job, &mut errors);
-    let expanded = read(&job, arenas, &mut errors);
+    let parts = parts(&job, &mut errors).unwrap_or_default();
+    let expanded = if parts.is_empty() {
+        product(&job, arenas, MAX_BYTES, &mut errors)
+    } else {
+        together(&job, &parts, arenas, &mut errors)
+    };
     match expanded {
         Some(expanded) if errors.is_empty() => Ok(expanded),
         _ => Err(errors.into_vec()),
     }
+}
+
+/// All parts, one after the other.
+fn together(
+    job: &Value,
+    parts: &[Part],
+    arenas: &dyn ArenaSource,
+    errors: &mut Errors,
+) -> Option<ExpandedJob> {
+    let object = Object::open(job, "", FIELDS, errors)?;
+    let mut all = ExpandedJob {
+        name: name(&object, errors),
+        ..ExpandedJob::default()
+    };
+    let mut known = BTreeMap::new();
+    for (number, part) in parts.iter().enumerate() {
+        let mut wrong = Errors::default();
+        let expanded = product(&part.job, arenas, MAX_BYTES / parts.len(), &mut wrong);
+        errors.extend(wrong.into_vec().into_iter().map(|error| part.in_job(error)));
+        let Some(expanded) = expanded else { continue };
+        let label = |label: &String| match label.as_str() {
+            "" => part.name.clone(),
+            label => format!("{}: {label}", part.name),
+        };
+        all.labels.extend(expanded.labels.iter().map(label));
+        all.designs
+            .extend(expanded.designs.into_iter().map(|design| Design {
+                part: Some(part.name.clone()),
+                ..design
+            }));
+        let twin = expanded.runs.iter().find_map(|run| {
+            let earlier = known.insert(run.key(), number)?;
+            Some(&parts[earlier].name)
+        });
+        if let Some(earlier) = twin {
+            errors.add(
+                format!("/parts/{number}"),
+                format!("makes a run that part {earlier:?} already has"),
+                "parts that differ",
+            );
+        }
+        all.runs.extend(expanded.runs);
+        if all.runs.len() > MAX_RUNS {
+            let message = format!("the parts make more than {MAX_RUNS} runs");
+            errors.add("/parts", message, format!("at most {MAX_RUNS} runs"));
+            return None;
+        }
+    }
+    Some(all)
 }
 
 /// The job, or the template that it names with the job's own fields in place of the template's.
@@ -134,6 +169,20 @@ fn with_template<'a>(job: &'a Value, errors: &mut Errors) -> Cow<'a, Value> {
                 let mut merged = template.job.clone();
                 if let Some(fields) = merged.as_object_mut() {
                     fields.insert("name".to_owned(), Value::from(name.as_str()));
+                    // Either of them says what varies.
+                    if map.contains_key("matrix") || map.contains_key("parts") {
+                        fields.remove("matrix");
+                        fields.remove("parts");
+                    }
+                    // Seeds are those of all parts.
+                    let parts = fields.get_mut("parts").and_then(Value::as_array_mut);
+                    for part in parts
+                        .into_iter()
+                        .flatten()
+                        .filter(|_| map.contains_key("seeds"))
+                    {
+                        part.as_object_mut().map(|part| part.remove("seeds"));
+                    }
                     fields.extend(map.clone());
                 }
                 return Cow::Owned(merged);
@@ -149,7 +198,13 @@ fn with_template<'a>(job: &'a Value, errors: &mut Errors) -> Cow<'a, Value> {
     Cow::Borrowed(job)
 }
 
-fn read(job: &Value, arenas: &dyn ArenaSource, errors: &mut Errors) -> Option<ExpandedJob> {
+/// A job without parts.
+fn product(
+    job: &Value,
+    arenas: &dyn ArenaSource,
+    max_bytes: usize,
+    errors: &mut Errors,
+) -> Option<ExpandedJob> {
     let object = Object::open(job, "", FIELDS, errors)?;
     let schema = u64::from(SCHEMA);
     object.whole("schema", schema, schema, schema, errors);
@@ -170,7 +225,7 @@ fn read(job: &Value, arenas: &dyn ArenaSource, errors: &mut Errors) -> Option<Ex
     };
     let longest = |axis: &Axis<'_>| axis.values.iter().map(length).max().unwrap_or(0);
     let bytes = length(base) + axes.iter().map(longest).sum::<usize>();
-    if bytes.saturating_mul(combinations) > MAX_BYTES {
+    if bytes.saturating_mul(combinations) > max_bytes {
         let message = format!("{combinations} runs of {bytes} bytes are too much to read");
         let allowed =
             "a smaller job; an arena that was uploaded can be named instead of written out";
@@ -192,33 +247,16 @@ fn read(job: &Value, arenas: &dyn ArenaSource, errors: &mut Errors) -> Option<Ex
     }
     let runs = distinct
         .iter()
-        .flat_map(|run| seeds.iter().map(|seed| run.with_seed(*seed)))
-        .collect();
+        .flat_map(|run| seeds.iter().map(|seed| run.with_seed(*seed)));
+    let labels = labels(&axes, combinations).into_iter();
     Some(ExpandedJob {
         name,
-        runs,
-        labels: labels(&axes, combinations),
-        axes: axes.iter().map(design_axis).collect(),
+        runs: runs.collect(),
+        labels: labels
+            .flat_map(|label| std::iter::repeat_n(label, seeds.len()))
+            .collect(),
+        designs: vec![Design::new(&axes, seeds.len())],
     })
-}
-
-/// An axis as it is stored with the job.
-fn design_axis(axis: &Axis<'_>) -> DesignAxis {
-    let value = |index, target| shortened(axis.value(index, target));
-    DesignAxis {
-        paths: axis
-            .targets
-            .iter()
-            .map(|target| target.path.to_owned())
-            .collect(),
-        values: (0..axis.values.len())
-            .map(|index| {
-                (0..axis.targets.len())
-                    .map(|target| value(index, target))
-                    .collect()
-            })
-            .collect(),
-    }
 }
 
 /// Bytes of a value as text.

@@ -220,7 +220,12 @@ fn runs_are_counted_without_making_them() {
     let matrix = json!({ "epochs": [1, 2, 3], "controller.alpha": [0.5, 7] });
     let seeds = json!({ "first": 1, "count": 5 });
     assert_eq!(count(json!({ "matrix": matrix, "seeds": seeds })), 30);
-    assert_eq!(count(json!({ "template": "chapter-5" })), 450);
+    assert_eq!(count(json!({ "template": "chapter-5" })), 450 + 30 + 45);
+    assert_eq!(count(json!({ "parts": [{ "seeds": [1, 2] }, {}] })), 3);
+    assert_eq!(
+        count(json!({ "parts": [{}, { "matrix": { "epochs": [] } }] })),
+        0
+    );
     assert_eq!(count(json!({ "matrix": { "epochs": [] } })), 0);
     assert_eq!(count(json!({ "seeds": { "count": 100_001 } })), 0);
 }
@@ -231,8 +236,10 @@ fn a_run_is_labelled_with_what_varies() {
         "matrix": { "controller.alpha": [0.5, 0.7], "arena": ["maze"] }, "seeds": [4, 5]
     });
     let expanded = expand(&job, &BuiltinArenas).unwrap();
-    let labels: Vec<&str> = (0..4).map(|place| expanded.label(place)).collect();
-    assert_eq!(labels, ["alpha 0.5", "alpha 0.5", "alpha 0.7", "alpha 0.7"]);
+    assert_eq!(
+        expanded.labels,
+        ["alpha 0.5", "alpha 0.5", "alpha 0.7", "alpha 0.7"]
+    );
     for run in &expanded.runs {
         let text = run.canonical_json();
         let spec: api::RunSpec = serde_json::from_str(&text).unwrap();
@@ -243,7 +250,72 @@ fn a_run_is_labelled_with_what_varies() {
             "seeds are put into a text that is made once"
         );
     }
-    assert_eq!(expand(&json!({}), &BuiltinArenas).unwrap().label(0), "");
+    assert_eq!(expand(&json!({}), &BuiltinArenas).unwrap().labels, [""]);
+}
+
+#[test]
+fn parts_are_made_one_after_the_other() {
+    let brownian = json!({ "controller": { "method": "brownian" }, "epochs": 1 });
+    let expanded = expand(
+        &json!({ "name": "two", "base": brownian, "seeds": [3, 4], "parts": [
+            { "matrix": { "arena": ["easy", "maze"] } },
+            { "name": "crowd", "base": { "robots": 2, "placement": "grid" }, "seeds": [9] }
+        ] }),
+        &BuiltinArenas,
+    )
+    .unwrap();
+    let labels = ["part 1: arena easy", "part 1: arena maze", "crowd"];
+    assert_eq!(expanded.name, "two");
+    assert_eq!(expanded.labels, [0, 0, 1, 1, 2].map(|place| labels[place]));
+    let robots = expanded
+        .runs
+        .iter()
+        .map(|run| (run.seed(), run.run_spec().robots));
+    assert_eq!(
+        robots.collect::<Vec<_>>(),
+        [(3, 1), (4, 1), (3, 1), (4, 1), (9, 2)]
+    );
+    let seeds = expanded
+        .designs
+        .iter()
+        .map(|design| (design.part.as_deref(), design.seeds));
+    assert_eq!(
+        seeds.collect::<Vec<_>>(),
+        [(Some("part 1"), 2), (Some("crowd"), 1)]
+    );
+
+    let check = |parts: Value, pointer: &str, words: &str| {
+        check_job(json!({ "base": brownian, "parts": parts }), pointer, words);
+    };
+    check(json!([{}, {}]), "/parts/1", "part \"part 1\" already has");
+    check(
+        json!([{}, { "base": { "epochs": 0 } }]),
+        "/parts/1/base/epochs",
+        "0 is not",
+    );
+    check(
+        json!([{ "matrix": { "epochs": [1, 0] } }]),
+        "/parts/0/matrix/epochs/1",
+        "0 is not",
+    );
+    check(
+        json!([{ "seeds": { "count": 60_000 } }, { "seeds": { "first": 60_001, "count": 60_000 } }]),
+        "/parts",
+        "more than",
+    );
+}
+
+#[test]
+fn what_a_job_says_takes_the_place_of_what_its_template_says() {
+    let runs = |job: Value| expand(&job, &BuiltinArenas).unwrap().runs;
+    let base = json!({ "epochs": 2, "controller": { "method": "im" } });
+    let job =
+        json!({ "template": "chapter-5", "base": base, "matrix": { "arena": ["easy", "maze"] } });
+    assert_eq!(runs(job).len(), 2 * 15);
+    let job = json!({ "template": "chapter-5", "seeds": [1, 2], "base": { "epochs": 3 } });
+    let runs = runs(job);
+    assert_eq!(runs.len(), 2 * (30 + 2 + 9));
+    assert!(runs.iter().all(|run| run.epochs() == 3));
 }
 
 #[test]
@@ -289,8 +361,8 @@ fn paths_that_vary_together_are_one_axis() {
     assert_eq!(seen[0], (1, "easy-1x1".to_owned()));
     assert_eq!(seen[2], (4, "easy-2x2".to_owned()));
     assert_eq!(seen.len(), 4);
-    assert_eq!(expanded.label(2), "robots+tile 4 + [2,2]");
-    let design: Design = serde_json::from_str(&expanded.design()).unwrap();
+    assert_eq!(expanded.labels[2], "robots+tile 4 + [2,2]");
+    let design = &expanded.designs[0];
     assert_eq!((design.seeds, design.axes.len()), (2, 1));
     assert_eq!(design.axes[0].values[1], [json!(4), json!([2, 2])]);
 

@@ -4,24 +4,30 @@
 
 mod arena;
 mod controller;
+mod design;
 mod expand;
 mod fields;
 mod labels;
 mod learning;
 mod listing;
 mod matrix;
+mod parts;
 mod placement;
 mod resolve;
 mod resolved;
 mod templates;
 
 pub use arena::{ArenaSource, BuiltinArenas, arena_error};
-pub use expand::{Design, DesignAxis, ExpandedJob, MAX_RUNS, expand, run_count};
+pub use design::{Design, DesignAxis};
+pub use expand::{ExpandedJob, MAX_RUNS, expand, run_count};
 pub use listing::controllers;
 pub(crate) use matrix::indices_at;
 pub use resolve::{MAX_EPOCHS, MAX_ROBOTS, MAX_SEED, MAX_STEPS_PER_EPOCH, field_error, resolve};
 pub use resolved::ResolvedRun;
-pub use templates::templates;
+pub use templates::{
+    CHAPTER_5, ENGINE_METHODS, SHORT_PHASE_ARENA, SHORT_PHASE_METHOD, SHORT_PHASES, chapter_5,
+    templates,
+};
 
 use api::FieldError;
 use serde_json::Value;

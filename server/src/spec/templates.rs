@@ -2,10 +2,50 @@
 
 use api::TemplateListing;
 use serde_json::{Value, json};
+use swarm::spec::{EngineKind, Method};
+
+use super::expand::run_count;
+
+/// Name of the template of [`chapter_5`].
+pub const CHAPTER_5: &str = "chapter-5";
+/// The arenas of the thesis's chapter 5.
+const ARENAS: [&str; 3] = ["easy", "graph", "maze"];
+/// Where Ev-ITER-C is shown after shorter first phases, and of how many epochs (instead of 200).
+pub const SHORT_PHASE_ARENA: &str = "maze";
+/// As above.
+pub const SHORT_PHASE_METHOD: &str = "ev-iter-c";
+/// As above.
+pub const SHORT_PHASES: [u32; 2] = [20, 50];
+/// The main comparison, which is repeated under the engine rapier.
+pub const ENGINE_METHODS: [&str; 3] = ["im", "ev-iter-c", "curiosity-a"];
+
+/// The experiments of chapter 5 on some arenas: every method; on the maze Ev-ITER-C with shorter
+/// first phases; and the main comparison with rigid bodies, where that has seeds.
+pub fn chapter_5(arenas: &[&str], base: Value, seeds: u32, rapier_seeds: u32) -> Value {
+    let mut parts = vec![json!({
+        "name": "methods",
+        "matrix": { "arena": arenas, "controller.method": Method::NAMES },
+    })];
+    if arenas.contains(&SHORT_PHASE_ARENA) {
+        parts.push(json!({
+            "name": "short phase 1",
+            "base": { "arena": SHORT_PHASE_ARENA, "controller": { "method": SHORT_PHASE_METHOD } },
+            "matrix": { "controller.train.epochs": SHORT_PHASES },
+        }));
+    }
+    if rapier_seeds > 0 {
+        parts.push(json!({
+            "name": "rapier",
+            "base": { "engine": EngineKind::Rapier.name() },
+            "matrix": { "arena": arenas, "controller.method": ENGINE_METHODS },
+            "seeds": { "first": 1, "count": rapier_seeds },
+        }));
+    }
+    json!({ "base": base, "seeds": { "first": 1, "count": seeds }, "parts": parts })
+}
 
 /// Every template.
 pub fn templates() -> Vec<TemplateListing> {
-    let methods = swarm::spec::Method::NAMES;
     [
         (
             "first-job",
@@ -24,33 +64,18 @@ pub fn templates() -> Vec<TemplateListing> {
             }),
         ),
         (
-            "chapter-5",
+            CHAPTER_5,
             "The experiments of the thesis's chapter 5: every method on three arenas, 15 seeds, \
-             2,000 epochs of 2,000 steps",
-            json!({
-                "base": {},
-                "matrix": {
-                    "arena": ["easy", "graph", "maze"],
-                    "controller.method": methods
-                },
-                "seeds": { "first": 1, "count": 15 }
-            }),
+             2,000 epochs of 2,000 steps; shorter first phases; the main comparison under rapier. \
+             Done, the job has a report",
+            chapter_5(&ARENAS, json!({}), 15, 5),
         ),
     ]
     .map(|(name, about, job)| TemplateListing {
         name: name.to_owned(),
         about: about.to_owned(),
-        runs: count(&job),
+        runs: run_count(&job),
         job,
     })
     .into()
-}
-
-/// Runs that a template makes: the product of its axes and seeds.
-fn count(job: &Value) -> u64 {
-    let axes = job["matrix"].as_object().into_iter().flatten();
-    let combinations: usize = axes
-        .map(|(_, values)| values.as_array().map_or(0, Vec::len))
-        .product();
-    combinations as u64 * job["seeds"]["count"].as_u64().unwrap_or(1)
 }

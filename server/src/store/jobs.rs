@@ -28,6 +28,8 @@ pub struct NewRun {
     pub epochs_total: u32,
     /// Robot-steps in all, as far as that is known before it starts.
     pub robot_steps_total: u64,
+    /// About what a robot-step costs against one of the kinematic engine.
+    pub step_cost: u32,
     /// Names of the uploaded arenas that it uses.
     pub uploaded_arenas: Vec<String>,
     /// What of the job's matrix it has, in words.
@@ -126,8 +128,12 @@ pub struct JobView {
     pub robot_steps_done: u64,
     /// Robot-steps in all of these runs.
     pub robot_steps_total: u64,
-    /// Robot-steps that those of them have left that wait.
-    pub robot_steps_left: u64,
+    /// Work done of these runs: robot-steps times what one costs.
+    pub work_done: u64,
+    /// Work in all of these runs.
+    pub work_total: u64,
+    /// Work that those of them have left that wait.
+    pub work_left: u64,
     /// Its runs that are held by workers.
     pub running: Vec<RunningRun>,
 }
@@ -141,6 +147,8 @@ pub struct RunningRun {
     pub robot_steps_done: u64,
     /// Robot-steps in all.
     pub robot_steps_total: u64,
+    /// About what a robot-step costs against one of the kinematic engine.
+    pub step_cost: u32,
 }
 
 const COLUMNS: &str = "SELECT seq, name, intent, created_at FROM jobs";
@@ -261,6 +269,30 @@ impl Store {
         Ok(changed)
     }
 
+    /// Makes the failed and cancelled runs of a job wait again, from their beginning, and the job
+    /// active.
+    ///
+    /// # Errors
+    /// When the database fails; nothing is changed then.
+    pub fn retry(&self, seq: JobSeq) -> Result<(), StoreError> {
+        let mut connection = self.connection();
+        let transaction = connection.transaction()?;
+        transaction
+            .prepare_cached("UPDATE jobs SET intent = 'active' WHERE seq = ?1")?
+            .execute([seq])?;
+        transaction
+            .prepare_cached(
+                "UPDATE runs SET state = 'queued', reason = NULL, phase = NULL,
+                    epochs_done = 0, robot_steps_done = 0
+                 WHERE state IN ('failed', 'cancelled')
+                    AND seq IN (SELECT run FROM job_runs WHERE job = ?1)",
+            )?
+            .execute([seq])?;
+        settle(&transaction, seq)?;
+        transaction.commit()?;
+        Ok(())
+    }
+
     /// Deletes a job, and its runs and results that no other job has. Returns the runs whose state
     /// changed or that are gone.
     ///
@@ -326,8 +358,9 @@ fn admit(
 fn add_run(connection: &Connection, run: &NewRun) -> rusqlite::Result<(RunSeq, bool)> {
     connection
         .prepare_cached(
-            "INSERT INTO runs (id, seed, arena, method, epochs_total, robot_steps_total, spec)
-             VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)
+            "INSERT INTO runs
+                (id, seed, arena, method, epochs_total, robot_steps_total, step_cost, spec)
+             VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)
              ON CONFLICT (id) DO UPDATE SET
                 phase = CASE state WHEN 'paused' THEN phase END,
                 epochs_done = CASE state WHEN 'paused' THEN epochs_done ELSE 0 END,
@@ -343,6 +376,7 @@ fn add_run(connection: &Connection, run: &NewRun) -> rusqlite::Result<(RunSeq, b
             run.method,
             run.epochs_total,
             to_sql(run.robot_steps_total),
+            run.step_cost,
             run.spec
         ])?;
     let (seq, waits) = connection
@@ -372,11 +406,14 @@ fn view(connection: &Connection, head: Head) -> Result<JobView, StoreError> {
         counts: RunCounts::default(),
         robot_steps_done: 0,
         robot_steps_total: 0,
-        robot_steps_left: 0,
+        work_done: 0,
+        work_total: 0,
+        work_left: 0,
         running: Vec::new(),
     };
     let mut statement = connection.prepare_cached(
-        "SELECT state, count(*), sum(robot_steps_done), sum(robot_steps_total)
+        "SELECT state, count(*), sum(robot_steps_done), sum(robot_steps_total),
+            sum(robot_steps_done * step_cost), sum(robot_steps_total * step_cost)
          FROM job_runs JOIN runs ON runs.seq = job_runs.run WHERE job = ?1 GROUP BY state",
     )?;
     let mut rows = statement.query([seq])?;
@@ -384,6 +421,7 @@ fn view(connection: &Connection, head: Head) -> Result<JobView, StoreError> {
         let state: String = row.get(0)?;
         let count = from_sql(row.get(1)?);
         let (done, total) = (from_sql(row.get(2)?), from_sql(row.get(3)?));
+        let (work_done, work_total) = (from_sql(row.get(4)?), from_sql(row.get(5)?));
         let counts = &mut view.counts;
         let state =
             State::from_name(&state).ok_or_else(|| StoreError::unreadable("run state", &state))?;
@@ -399,15 +437,17 @@ fn view(connection: &Connection, head: Head) -> Result<JobView, StoreError> {
         if state != State::Running {
             view.robot_steps_done += done;
             view.robot_steps_total += total;
+            view.work_done += work_done;
+            view.work_total += work_total;
         }
         if state == State::Queued {
-            view.robot_steps_left += total.saturating_sub(done);
+            view.work_left += work_total.saturating_sub(work_done);
         }
     }
     if view.counts.running > 0 {
         view.running = connection
             .prepare_cached(
-                "SELECT run, robot_steps_done, robot_steps_total
+                "SELECT run, robot_steps_done, robot_steps_total, step_cost
                  FROM runs JOIN job_runs ON job_runs.run = runs.seq
                  WHERE runs.state = 'running' AND job_runs.job = ?1",
             )?
@@ -416,6 +456,7 @@ fn view(connection: &Connection, head: Head) -> Result<JobView, StoreError> {
                     seq: row.get(0)?,
                     robot_steps_done: from_sql(row.get(1)?),
                     robot_steps_total: from_sql(row.get(2)?),
+                    step_cost: row.get(3)?,
                 })
             })?
             .collect::<Result<Vec<_>, _>>()?;

@@ -58,6 +58,9 @@ pub struct RunView {
     pub result: Option<api::RunResult>,
 }
 
+/// Runs that are read at once.
+const PAGE: u32 = 1_000;
+
 const VIEW: &str = "SELECT runs.seq, id, job, ordinal, seed, arena, method, state, phase,
         epochs_done, robot_steps_done, reason, epochs_total, robot_steps_total, result, label
     FROM job_runs JOIN runs ON runs.seq = job_runs.run
@@ -227,6 +230,22 @@ impl Store {
             .prepare_cached("SELECT spec FROM runs WHERE seq = ?1")?
             .query_row([run], |row| row.get(0))
             .optional()?)
+    }
+
+    /// Every run of a job, in order; the database is not held from beginning to end.
+    ///
+    /// # Errors
+    /// When the database fails or holds what cannot be read.
+    pub fn all_runs(&self, job: JobSeq) -> Result<Vec<RunView>, StoreError> {
+        let mut runs: Vec<RunView> = Vec::new();
+        loop {
+            let from = runs.last().map_or(0, |run| run.ordinal + 1);
+            let page = self.runs(job, from, PAGE)?;
+            if page.is_empty() {
+                return Ok(runs);
+            }
+            runs.extend(page);
+        }
     }
 
     /// At most `limit` runs of a job from place `from` on, in order.

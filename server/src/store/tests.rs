@@ -16,6 +16,7 @@ fn new_run(id: &str) -> NewRun {
         method: "brownian".to_owned(),
         epochs_total: 10,
         robot_steps_total: 1_000,
+        step_cost: 1,
         uploaded_arenas: Vec::new(),
         label: format!("of {id}"),
     }

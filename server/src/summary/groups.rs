@@ -2,7 +2,8 @@
 
 use api::summary::{Group, Measure};
 
-use super::{Combination, FinishedRun, Input, values};
+use super::{Combination, FinishedRun, values};
+use crate::spec::Design;
 use crate::statistics::bootstrap::mean_interval;
 use crate::statistics::summary as moments;
 
@@ -53,13 +54,14 @@ pub fn measured(runs: &[&FinishedRun], name: &str) -> Vec<f64> {
     runs.iter().filter_map(|run| measure(run, name)).collect()
 }
 
-pub fn groups(input: &Input, combinations: &[Combination<'_>]) -> Vec<Group> {
+/// One group a combination of a part; `labels` begins with those of the part.
+pub fn groups(design: &Design, labels: &[String], combinations: &[Combination<'_>]) -> Vec<Group> {
     let all = combinations.iter().enumerate();
     all.map(|(number, combination)| Group {
-        label: input.labels.get(number).cloned().unwrap_or_default(),
-        values: values(&input.design, &combination.indices, &[]),
+        label: labels.get(number).cloned().unwrap_or_default(),
+        values: values(design, &combination.indices, &[]),
         robots: combination.robots,
-        runs: input.design.seeds as u64,
+        runs: design.seeds as u64,
         runs_done: combination.runs.len() as u64,
         measures: MEASURES
             .iter()

@@ -40,14 +40,14 @@ pub struct Input {
     pub job_id: String,
     /// Its name.
     pub name: String,
-    /// What it varies.
-    pub design: Design,
+    /// What it varies, part by part.
+    pub designs: Vec<Design>,
     /// Runs in all.
     pub runs: u64,
-    /// A label for each combination.
+    /// A label for each combination, part by part.
     pub labels: Vec<String>,
-    /// Robots where the design does not vary them.
-    pub robots: u32,
+    /// Robots of each part where its design does not vary them.
+    pub robots: Vec<u32>,
     /// The runs that are done, in order.
     pub finished: Vec<FinishedRun>,
 }
@@ -63,50 +63,76 @@ struct Combination<'a> {
 /// The summary of a job. `first_entries` gives them for the run at a place.
 pub fn summary(
     input: &Input,
-    first_entries: impl FnMut(u64) -> Option<FirstEntries>,
+    mut first_entries: impl FnMut(u64) -> Option<FirstEntries>,
 ) -> JobSummary {
-    let combinations = combinations(input);
-    JobSummary {
+    let mut summary = JobSummary {
         schema: SCHEMA,
         job_id: input.job_id.clone(),
         name: input.name.clone(),
         runs: input.runs,
         runs_done: input.finished.len() as u64,
-        groups: groups::groups(input, &combinations),
-        scaling: scaling::scaling(&input.design, &combinations, first_entries),
-        sharing: sharing::sharing(&input.design, &combinations),
+        groups: Vec::new(),
+        scaling: Vec::new(),
+        sharing: Vec::new(),
+    };
+    let mut place = 0;
+    for (design, &robots) in input.designs.iter().zip(&input.robots) {
+        let combinations = combinations(input, design, robots, place);
+        place += (combinations.len() * design.seeds) as u64;
+        let labels = input.labels.get(summary.groups.len()..).unwrap_or_default();
+        let (scaling, sharing) = (
+            scaling::scaling(design, &combinations, &mut first_entries),
+            sharing::sharing(design, &combinations),
+        );
+        summary
+            .groups
+            .extend(groups::groups(design, labels, &combinations));
+        summary.scaling.extend(scaling);
+        summary.sharing.extend(sharing);
     }
+    summary
 }
 
-fn combinations(input: &Input) -> Vec<Combination<'_>> {
-    let axes = &input.design.axes;
-    let count: usize = axes.iter().map(|axis| axis.values.len()).product();
-    let mut combinations: Vec<Combination<'_>> = (0..count)
+/// The combinations of a part whose first run is at `place` of the job.
+fn combinations<'a>(
+    input: &'a Input,
+    design: &Design,
+    robots: u32,
+    place: u64,
+) -> Vec<Combination<'a>> {
+    let axes = &design.axes;
+    let mut combinations: Vec<Combination<'_>> = (0..design.combinations())
         .map(|place| {
             let indices = indices_at(axes.iter().map(|axis| axis.values.len()), place);
-            let values = values(&input.design, &indices, &[]);
-            let robots = values.get("robots").and_then(Value::as_f64);
+            let values = values(design, &indices, &[]);
+            let varied = values.get("robots").and_then(Value::as_f64);
             Combination {
                 indices,
-                robots: robots.map_or(input.robots, |robots| robots as u32),
+                robots: varied.map_or(robots, |robots| robots as u32),
                 runs: Vec::new(),
             }
         })
         .collect();
-    let seeds = input.design.seeds.max(1) as u64;
+    let seeds = design.seeds.max(1) as u64;
     for run in &input.finished {
-        if let Some(combination) = combinations.get_mut((run.place / seeds) as usize) {
+        let number = run.place.checked_sub(place).map(|place| place / seeds);
+        if let Some(combination) = number.and_then(|n| combinations.get_mut(n as usize)) {
             combination.runs.push(run);
         }
     }
     combinations
 }
 
-/// What a combination has of the matrix by dotted path, but for some axes.
+/// What a combination has of the matrix by dotted path, but for some axes; and its part's name.
 fn values(design: &Design, indices: &[usize], without: &[usize]) -> BTreeMap<String, Value> {
+    let part = design
+        .part
+        .iter()
+        .map(|name| ("part".to_owned(), Value::from(name.as_str())));
     let axes = design.axes.iter().zip(indices).enumerate();
     axes.filter(|(number, _)| !without.contains(number))
         .flat_map(|(_, (axis, &index))| axis.paths.iter().cloned().zip(axis.values[index].clone()))
+        .chain(part)
         .collect()
 }
 

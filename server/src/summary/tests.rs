@@ -48,10 +48,14 @@ fn input(seeds: usize, axes: Vec<DesignAxis>, finished: Vec<FinishedRun>) -> Inp
     Input {
         job_id: "1".to_owned(),
         name: "a job".to_owned(),
-        design: Design { seeds, axes },
+        designs: vec![Design {
+            part: None,
+            seeds,
+            axes,
+        }],
         runs: finished.len() as u64,
         labels: Vec::new(),
-        robots: 1,
+        robots: vec![1],
         finished,
     }
 }
@@ -94,6 +98,43 @@ fn seeds_are_pooled_by_combination() {
         "0,\"\",1,p1,2,2,15,7.0710678118654755,15,10,20"
     );
     assert!(markdown(&summary).contains("3 of 3 runs done"));
+}
+
+#[test]
+fn parts_are_summed_up_apart() {
+    let mut input = input(2, vec![axis(&["epochs"], json!([[5], [6]]))], Vec::new());
+    input.designs[0].part = Some("first".to_owned());
+    input.designs.push(Design {
+        part: Some("second".to_owned()),
+        seeds: 1,
+        axes: vec![axis(&["robots"], json!([[1], [2]]))],
+    });
+    input.robots.push(7);
+    input.labels = ["a", "b", "c", "d"].map(str::to_owned).into();
+    // Places 0 to 3 are the first part's, 4 and 5 the second's.
+    let place = |place| finished(place, place, Some(10 * (place + 1)), 0.5);
+    input.finished = [1, 3, 4, 5].map(place).into();
+    let summary = summary(&input, |_| None);
+    let done = summary.groups.iter().map(|group| {
+        (
+            group.label.as_str(),
+            group.runs,
+            group.runs_done,
+            group.robots,
+        )
+    });
+    assert_eq!(
+        done.collect::<Vec<_>>(),
+        [
+            ("a", 2, 1, 1),
+            ("b", 2, 1, 1),
+            ("c", 1, 1, 1),
+            ("d", 1, 1, 2)
+        ]
+    );
+    assert_eq!(summary.groups[3].values["part"], json!("second"));
+    assert_eq!(summary.scaling.len(), 1);
+    assert_eq!(summary.scaling[0].points[1].times[1].mean_steps, Some(60.0));
 }
 
 #[test]

@@ -36,7 +36,7 @@ fn objects_come_with_the_robots_of_their_moment() {
     let objects_of = object_reader(&root).unwrap();
     // Their number may change: the training arena has others than the target.
     for (step, count) in [(1, 3), (2, 0), (3, 1), (4, 3)] {
-        publisher.offer_moment(&bodies(step, 2), &objects(step, count), &info(step));
+        publisher.put_moment(&bodies(step, 2), &objects(step, count), &info(step));
         let frame = robots.wait_for(|frame| frame.user_header().arena_step == step);
         // No waiting: whoever has the robots can have the objects.
         let beside = loop {
@@ -62,7 +62,7 @@ fn objects_come_with_the_robots_of_their_moment() {
 fn a_reader_of_objects_alone_is_served_too() {
     let root = Root::new();
     let mut publisher = FramePublisher::open(&root.settings, "run", BOTH).unwrap();
-    publisher.offer_moment(&bodies(7, 2), &objects(7, 3), &info(7));
+    publisher.put_moment(&bodies(7, 2), &objects(7, 3), &info(7));
     std::thread::sleep(Duration::from_millis(200));
     let late = object_reader(&root).unwrap();
     assert_eq!(late.wait_for(|_| true).user_header().arena_step, 7);

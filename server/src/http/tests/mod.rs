@@ -4,6 +4,7 @@
 mod access;
 mod jobs;
 mod objects;
+mod report;
 
 use std::num::NonZeroUsize;
 use std::time::{Duration, Instant};
@@ -48,6 +49,7 @@ impl Service {
         let config = SchedulerConfig {
             workers: NonZeroUsize::MIN,
             unfinished_limit: 10,
+            run_memory_bytes: 1 << 30,
             channels: ChannelSettings::default(),
         };
         let scheduler = Arc::new(Scheduler::start(Arc::clone(&store), config).unwrap());

@@ -4,11 +4,11 @@ use anyhow::Context;
 
 use super::{Claim, Level, Test, Verdict};
 use crate::reproduce::far_chamber::{DEPTH_M, far_chamber};
-use crate::reproduce::plan::{
-    SHORT_PHASE_ARENA, SHORT_PHASE_METHOD, SHORT_PHASES, Settings, short_phase_label,
-};
+use crate::reproduce::plan::{Settings, short_phase_label};
 use crate::reproduce::results::{Finding, Findings};
-use crate::spec::{ArenaSource, BuiltinArenas};
+use crate::spec::{
+    ArenaSource, BuiltinArenas, SHORT_PHASE_ARENA, SHORT_PHASE_METHOD, SHORT_PHASES,
+};
 use crate::statistics::{Comparison, compare, sign_test};
 use swarm::spec::Method;
 
