@@ -18,7 +18,7 @@ use api::frames::{
     frames_service, transport_config,
 };
 use swarm::run::{Phase, Progress, Run};
-use swarm::world::Body;
+use swarm::world::{Bodies, Body};
 
 pub use ports::ChannelError;
 use ports::{HISTORY, MAX_SUBSCRIBERS, Ports, subscriber_buffer};
@@ -189,7 +189,7 @@ impl FramePublisher {
         self.note_copy(started);
     }
 
-    fn offer_bodies(&mut self, bodies: &[Body], info: &FrameInfo) {
+    fn offer_bodies(&mut self, bodies: &Bodies, info: &FrameInfo) {
         let started = Instant::now();
         if self.slot.try_put(|frame| fill(frame, bodies, info)) {
             self.note_copy(started);
@@ -233,7 +233,7 @@ impl Drop for FramePublisher {
     }
 }
 
-fn fill(frame: &mut Frame, bodies: &[Body], info: &FrameInfo) {
+fn fill(frame: &mut Frame, bodies: &Bodies, info: &FrameInfo) {
     frame.header = info.header(bodies.len());
     frame.robots.clear();
     let robot = |(number, body): (usize, &Body)| RobotState {
