@@ -65,12 +65,13 @@ impl World {
     fn decide_and_drive<C: Crew + ?Sized>(&mut self, crew: &mut C) {
         let step = self.state.step;
         let drive = &self.drive;
+        let kinematic = matches!(self.motor, Motor::Kinematic);
         let (bodies, numbers) = self.state.bodies.stored_mut();
-        for (i, (body, &number)) in bodies.iter_mut().zip(numbers).enumerate() {
-            if let Some(&later) = numbers.get(i + AHEAD) {
-                crew.expect_acting(later as usize);
+        for (i, body) in bodies.iter_mut().enumerate() {
+            if i + AHEAD < numbers.len() {
+                crew.expect_acting(numbers[i + AHEAD] as usize);
             }
-            let command = crew.act(number as usize, step, &F8(body.sensors));
+            let command = crew.act(numbers[i] as usize, step, &F8(body.sensors));
             body.command = command;
             let left = drive.accelerate(body.wheels_rad_s[0], command[0]);
             let right = drive.accelerate(body.wheels_rad_s[1], command[1]);
@@ -87,17 +88,20 @@ impl World {
             body.y_m += motion.dy_m;
             body.cos = motion.cos;
             body.sin = motion.sin;
+            if kinematic {
+                self.contact.move_body(&self.index, body);
+            }
         }
     }
 
     #[inline(always)]
     fn learn<C: Crew + ?Sized>(&mut self, crew: &mut C) {
         let (bodies, numbers) = self.state.bodies.stored_mut();
-        for (i, (body, &number)) in bodies.iter().zip(numbers).enumerate() {
-            if let Some(&later) = numbers.get(i + AHEAD) {
-                crew.expect_learning(later as usize);
+        for (i, body) in bodies.iter().enumerate() {
+            if i + AHEAD < numbers.len() {
+                crew.expect_learning(numbers[i + AHEAD] as usize);
             }
-            crew.learn(number as usize, &F8(body.sensors));
+            crew.learn(numbers[i] as usize, &F8(body.sensors));
         }
     }
 
@@ -105,13 +109,9 @@ impl World {
     fn collide(&mut self) {
         let (bodies, _) = self.state.bodies.stored_mut();
         match (&mut self.motor, &mut self.crowd) {
-            (Motor::Kinematic, crowd) => {
-                for body in bodies.iter_mut() {
-                    self.contact.move_body(&self.index, body);
-                }
-                if let Some(crowd) = crowd {
-                    crowd.separate(&self.contact, &self.index, bodies);
-                }
+            (Motor::Kinematic, None) => {}
+            (Motor::Kinematic, Some(crowd)) => {
+                crowd.separate(&self.contact, &self.index, bodies);
             }
             (Motor::Rapier(engine), crowd) => {
                 engine.step(bodies);
@@ -148,8 +148,8 @@ impl World {
         } = &mut self.state;
         tally.step();
         self.arrivals.clear();
-        let (stored, numbers) = bodies.stored_mut();
-        for (body, &number) in stored.iter_mut().zip(numbers) {
+        let (stored, _) = bodies.stored_mut();
+        for (slot, body) in stored.iter_mut().enumerate() {
             let square = grid.square_of(body.x_m, body.y_m);
             let entered = square != body.square;
             let (dx_m, dy_m) = (body.x_m - body.from_m[0], body.y_m - body.from_m[1]);
@@ -160,17 +160,26 @@ impl World {
             visit[0] = visit[0].saturating_add(u32::from(entered));
             visit[1] = visit[1].saturating_add(1);
             if (entered || self.count_begins) && tally.is_new(square) {
-                self.arrivals.push(number);
+                self.arrivals.push(slot as u32);
             }
         }
         self.count_begins = false;
-        // Of several the one with the lowest number is the first.
-        self.arrivals.sort_unstable();
-        for &number in &self.arrivals {
-            let body = bodies.get_mut(number as usize);
-            tally.enter(body.square, body);
-        }
         tally.see(bodies);
+        if !self.arrivals.is_empty() {
+            self.credit_arrivals();
+        }
+    }
+
+    /// Notes who was the first in a square: of several the one with the lowest number.
+    #[cold]
+    #[inline(never)]
+    fn credit_arrivals(&mut self) {
+        let (stored, numbers) = self.state.bodies.stored_mut();
+        self.arrivals.sort_unstable_by_key(|&slot| numbers[slot as usize]);
+        for &slot in &self.arrivals {
+            let body = &mut stored[slot as usize];
+            self.state.tally.enter(body.square, body);
+        }
     }
 
     /// Sorts robots into cells, and now and then stores them in that order.
