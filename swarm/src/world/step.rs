@@ -15,7 +15,7 @@ use crate::random::{mix64, unit};
 const SPREAD: u64 = 0x9E37_79B9_7F4A_7C15;
 
 /// How many robots ahead learners are told that their turn comes.
-const AHEAD: usize = 2;
+const AHEAD: usize = 4;
 
 /// Steps after which robots are stored in the order of their cells again: by then the fastest are
 /// some rows of cells away from those that they are stored with.
