@@ -13,8 +13,9 @@ use crate::world::Body;
 /// Deepest overlap of two robots that is left standing, metres.
 pub const OVERLAP_M: f32 = 5e-5;
 
-/// Contact candidates of a robot for which there is room from the beginning; more take more memory.
-const NEIGHBOURS: usize = 8;
+/// Contact candidates of a robot for which there is room from the beginning, all robots together;
+/// more take more memory.
+const NEIGHBOURS: usize = 4;
 
 const ITERATIONS: usize = 8;
 
@@ -93,11 +94,11 @@ impl Crowd {
             },
             cell_of: vec![0; robots],
             sorted: vec![Entry::default(); robots],
-            pairs: vec![[0; 2]; robots * NEIGHBOURS],
+            pairs: vec![[0; 2]; robots * (NEIGHBOURS + 1)],
             near_ends: vec![0; robots + 1],
             candidate_m2: candidate_m * candidate_m,
             sight_m2: (sight_m * sight_m) as f32,
-            seen: vec![[0.0; 2]; robots],
+            seen: vec![[0.0; 2]; robots + 1],
             active: Vec::with_capacity(robots),
             moved: Vec::with_capacity(robots),
             stamp: vec![0; robots],
@@ -162,39 +163,26 @@ impl Crowd {
         let [column, row] = self.grid.cell(x_m, y_m);
         let (columns, rows) = (self.grid.columns, self.grid.rows);
         let (first, last) = (column.saturating_sub(1), (column + 1).min(columns - 1));
-        // How many robots a row of cells holds cannot be foreseen: all three rows are gone through
-        // in one loop without branches, the end of which is mispredicted once.
-        let mut begins = [0; 3];
-        let mut ends = [0; 3];
-        let mut count = 0;
-        for k in 0..3 {
-            if (1..=rows).contains(&(row + k)) {
-                let row = row + k - 1;
-                let begin = self.starts[row * columns + first] as usize;
-                let end = self.starts[row * columns + last + 1] as usize;
-                begins[k] = begin.wrapping_sub(count);
-                count += end - begin;
-            }
-            ends[k] = count;
-        }
         let pairs_begin = self.near_ends[slot] as usize;
-        if self.pairs.len() < pairs_begin + count {
-            self.pairs.resize(2 * (pairs_begin + count), [0; 2]);
+        if self.pairs.len() < pairs_begin + self.sorted.len() {
+            self.pairs
+                .resize(2 * (pairs_begin + self.sorted.len()), [0; 2]);
         }
         let (pairs, seen) = (&mut self.pairs[pairs_begin..], &mut self.seen[..]);
         let (mut near_count, mut seen_count) = (0, 0);
-        for k in 0..count {
-            let begin = if k < ends[1] { begins[1] } else { begins[2] };
-            let begin = if k < ends[0] { begins[0] } else { begin };
-            let entry = self.sorted[begin.wrapping_add(k)];
-            let (dx, dy) = (entry.x_m - x_m, entry.y_m - y_m);
-            let d2 = dx * dx + dy * dy;
-            let other = entry.slot as usize != slot;
-            seen[seen_count] = [entry.x_m, entry.y_m];
-            pairs[near_count] = [slot as u32, entry.slot];
-            let in_sight = (d2 < self.sight_m2) & other;
-            seen_count += usize::from(in_sight);
-            near_count += usize::from(in_sight & (d2 < self.candidate_m2));
+        for row in row.saturating_sub(1)..=(row + 1).min(rows - 1) {
+            let begin = self.starts[row * columns + first] as usize;
+            let end = self.starts[row * columns + last + 1] as usize;
+            for entry in &self.sorted[begin..end] {
+                let (dx, dy) = (entry.x_m - x_m, entry.y_m - y_m);
+                let d2 = dx * dx + dy * dy;
+                // Nobody can foresee who is near: all are noted, and those who are not, overwritten.
+                let in_sight = (d2 < self.sight_m2) & (entry.slot as usize != slot);
+                seen[seen_count] = [entry.x_m, entry.y_m];
+                seen_count += usize::from(in_sight);
+                pairs[near_count] = [slot as u32, entry.slot];
+                near_count += usize::from(in_sight & (d2 < self.candidate_m2));
+            }
         }
         let near = &mut pairs[..near_count];
         // Sums of pushes must not depend on slots.

@@ -94,10 +94,7 @@ pub struct World {
     crowd: Option<Crowd>,
     /// Steps for which robots stay stored as they are; 0 has them put in order when sensors are read.
     settled_steps: u32,
-    /// Whether nothing was counted before the next step, so that every robot may be the first in its
-    /// square.
-    count_begins: bool,
-    /// Robots that were the first in their squares in this step.
+    /// Slots of the robots in squares in which no step has been counted so far.
     arrivals: Vec<u32>,
     shapes: Vec<Shape>,
 }
@@ -200,7 +197,6 @@ impl World {
             drive,
             crowd,
             settled_steps: 0,
-            count_begins: false,
             arrivals: Vec::with_capacity(n),
         }
     }
@@ -262,7 +258,6 @@ impl World {
         if counting {
             let squares = self.state.visits.len();
             self.state.tally.begin(self.starts.len(), squares);
-            self.count_begins = true;
         }
     }
 

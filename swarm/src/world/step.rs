@@ -65,7 +65,7 @@ impl World {
     fn decide_and_drive<C: Crew + ?Sized>(&mut self, crew: &mut C) {
         let step = self.state.step;
         let drive = &self.drive;
-        let kinematic = matches!(self.motor, Motor::Kinematic);
+        let alone = matches!((&self.motor, &self.crowd), (Motor::Kinematic, None));
         let (bodies, numbers) = self.state.bodies.stored_mut();
         for (i, body) in bodies.iter_mut().enumerate() {
             if i + AHEAD < numbers.len() {
@@ -88,7 +88,7 @@ impl World {
             body.y_m += motion.dy_m;
             body.cos = motion.cos;
             body.sin = motion.sin;
-            if kinematic {
+            if alone {
                 self.contact.move_body(&self.index, body);
             }
         }
@@ -111,6 +111,9 @@ impl World {
         match (&mut self.motor, &mut self.crowd) {
             (Motor::Kinematic, None) => {}
             (Motor::Kinematic, Some(crowd)) => {
+                for body in bodies.iter_mut() {
+                    self.contact.move_body(&self.index, body);
+                }
                 crowd.separate(&self.contact, &self.index, bodies);
             }
             (Motor::Rapier(engine), crowd) => {
@@ -158,27 +161,33 @@ impl World {
             body.distance_m += f64::from((dx_m * dx_m + dy_m * dy_m).sqrt());
             let visit = &mut visits[square as usize];
             visit[0] = visit[0].saturating_add(u32::from(entered));
-            visit[1] = visit[1].saturating_add(1);
-            if (entered || self.count_begins) && tally.is_new(square) {
+            // One test for both: the first step in the square, and the last that can be counted.
+            let steps = visit[1].wrapping_add(1);
+            if steps <= 1 {
                 self.arrivals.push(slot as u32);
+            } else {
+                visit[1] = steps;
             }
         }
-        self.count_begins = false;
         tally.see(bodies);
         if !self.arrivals.is_empty() {
-            self.credit_arrivals();
+            self.count_arrivals();
         }
     }
 
-    /// Notes who was the first in a square: of several the one with the lowest number.
+    /// Counts the step of robots in squares that have none so far, or as many as can be counted. Of
+    /// several robots the one with the lowest number is the first in its square.
     #[cold]
     #[inline(never)]
-    fn credit_arrivals(&mut self) {
+    fn count_arrivals(&mut self) {
         let (stored, numbers) = self.state.bodies.stored_mut();
-        self.arrivals.sort_unstable_by_key(|&slot| numbers[slot as usize]);
+        self.arrivals
+            .sort_unstable_by_key(|&slot| numbers[slot as usize]);
         for &slot in &self.arrivals {
             let body = &mut stored[slot as usize];
+            let steps = &mut self.state.visits[body.square as usize][1];
             self.state.tally.enter(body.square, body);
+            *steps = steps.saturating_add(1);
         }
     }
 

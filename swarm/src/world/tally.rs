@@ -71,12 +71,6 @@ impl Tally {
         }
     }
 
-    /// Whether no robot has entered a square.
-    #[inline(always)]
-    pub(super) fn is_new(&self, square: u32) -> bool {
-        self.first_entry[square as usize] == 0
-    }
-
     /// Takes in where the sampled robots are.
     #[inline(always)]
     pub(super) fn see(&mut self, bodies: &Bodies) {
