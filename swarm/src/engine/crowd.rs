@@ -98,7 +98,7 @@ impl Crowd {
             near_ends: vec![0; robots + 1],
             candidate_m2: candidate_m * candidate_m,
             sight_m2: (sight_m * sight_m) as f32,
-            seen: vec![[0.0; 2]; robots + 1],
+            seen: vec![[0.0; 2]; robots],
             active: Vec::with_capacity(robots),
             moved: Vec::with_capacity(robots),
             stamp: vec![0; robots],

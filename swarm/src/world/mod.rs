@@ -306,7 +306,7 @@ impl World {
         for (number, start) in self.starts.iter().enumerate() {
             self.state.bodies.get_mut(number).put_back(start);
         }
-        self.motor.place(self.state.bodies.stored());
+        self.motor.place(&self.state.bodies);
         self.settled_steps = 0;
         if let Motor::Rapier(rigid) = &self.motor {
             self.state.objects.follow(rigid.objects(), false);

@@ -107,10 +107,12 @@ impl World {
 
     #[inline(always)]
     fn collide(&mut self) {
-        let (bodies, _) = self.state.bodies.stored_mut();
+        let bodies = &mut self.state.bodies;
         match (&mut self.motor, &mut self.crowd) {
+            // Moved as soon as it was driven.
             (Motor::Kinematic, None) => {}
             (Motor::Kinematic, Some(crowd)) => {
+                let (bodies, _) = bodies.stored_mut();
                 for body in bodies.iter_mut() {
                     self.contact.move_body(&self.index, body);
                 }
@@ -120,7 +122,7 @@ impl World {
                 engine.step(bodies);
                 if let Some(crowd) = crowd {
                     // rapier's contacts are soft: what is left of an overlap is parted here.
-                    crowd.separate(&self.contact, &self.index, bodies);
+                    crowd.separate(&self.contact, &self.index, bodies.stored_mut().0);
                     engine.correct(bodies);
                 }
                 let objects = &mut self.state.objects;
@@ -196,13 +198,11 @@ impl World {
     fn sort(&mut self) {
         if let Some(crowd) = &mut self.crowd {
             crowd.sort(self.state.bodies.stored());
-            if matches!(self.motor, Motor::Kinematic) {
-                if self.settled_steps == 0 {
-                    self.settled_steps = SETTLED_STEPS;
-                    self.store_by_cell();
-                }
-                self.settled_steps -= 1;
+            if self.settled_steps == 0 {
+                self.settled_steps = SETTLED_STEPS;
+                self.store_by_cell();
             }
+            self.settled_steps -= 1;
         }
     }
 
