@@ -5,6 +5,8 @@
 //! overlaps goes back to where the step began, together with whoever that blocks: positions before
 //! the step were free of overlap, so this ends, and no overlap above [`OVERLAP_M`] survives a step.
 
+use std::f64::consts::PI;
+
 use arenas::index::{WallIndex, grid_coordinate};
 
 use super::kinematic::Contact;
@@ -13,9 +15,8 @@ use crate::world::Body;
 /// Deepest overlap of two robots that is left standing, metres.
 pub const OVERLAP_M: f32 = 5e-5;
 
-/// Contact candidates of a robot for which there is room from the beginning, all robots together;
-/// more take more memory.
-const NEIGHBOURS: usize = 4;
+/// Most neighbours kept for contact: 18 discs of radius R fit with their centres within 4 R.
+const MOST_NEIGHBOURS: usize = 20;
 
 const ITERATIONS: usize = 8;
 
@@ -62,6 +63,8 @@ pub struct Crowd {
     pairs: Vec<[u32; 2]>,
     /// End of each robot's pairs, by slot, after a 0.
     near_ends: Vec<u32>,
+    /// Most contact candidates of a robot.
+    near_most: usize,
     candidate_m2: f32,
     sight_m2: f32,
     seen: Vec<[f32; 2]>,
@@ -85,6 +88,8 @@ impl Crowd {
         let cell_m = sight_m.max(f64::from(candidate_m)).max(spread_m * 0.5) * 1.000_1;
         let columns = (width_m / cell_m).ceil().max(1.0) as usize;
         let rows = (height_m / cell_m).ceil().max(1.0) as usize;
+        let apart_m = f64::from(2.0 * (contact.radius_m - OVERLAP_M));
+        let near_most = most_neighbours(f64::from(candidate_m), apart_m);
         Self {
             starts: vec![0; columns * rows + 1],
             grid: Grid {
@@ -94,7 +99,8 @@ impl Crowd {
             },
             cell_of: vec![0; robots],
             sorted: vec![Entry::default(); robots],
-            pairs: vec![[0; 2]; robots * (NEIGHBOURS + 1)],
+            pairs: vec![[0; 2]; robots * near_most + 1],
+            near_most,
             near_ends: vec![0; robots + 1],
             candidate_m2: candidate_m * candidate_m,
             sight_m2: (sight_m * sight_m) as f32,
@@ -164,10 +170,6 @@ impl Crowd {
         let (columns, rows) = (self.grid.columns, self.grid.rows);
         let (first, last) = (column.saturating_sub(1), (column + 1).min(columns - 1));
         let pairs_begin = self.near_ends[slot] as usize;
-        if self.pairs.len() < pairs_begin + self.sorted.len() {
-            self.pairs
-                .resize(2 * (pairs_begin + self.sorted.len()), [0; 2]);
-        }
         let (pairs, seen) = (&mut self.pairs[pairs_begin..], &mut self.seen[..]);
         let (mut near_count, mut seen_count) = (0, 0);
         for row in row.saturating_sub(1)..=(row + 1).min(rows - 1) {
@@ -182,6 +184,7 @@ impl Crowd {
                 seen_count += usize::from(in_sight);
                 pairs[near_count] = [slot as u32, entry.slot];
                 near_count += usize::from(in_sight & (d2 < self.candidate_m2));
+                near_count = near_count.min(self.near_most);
             }
         }
         let near = &mut pairs[..near_count];
@@ -335,7 +338,7 @@ impl Crowd {
         }
     }
 
-    /// Bytes held. No list outgrows its capacity, one entry a robot.
+    /// Bytes set aside. No list outgrows its capacity, one entry a robot.
     pub fn bytes(&self) -> usize {
         let lists = size_of::<[f32; 2]>() + size_of::<u32>() + size_of::<(u32, f32, f32)>();
         size_of_val(&self.starts[..])
@@ -346,4 +349,12 @@ impl Crowd {
             + size_of_val(&self.stamp[..])
             + self.stamp.len() * lists
     }
+}
+
+/// Most points, each at least `apart_m` from the others, that lie within `radius_m` of one of them
+/// (Oler's inequality for a disc).
+fn most_neighbours(radius_m: f64, apart_m: f64) -> usize {
+    let ratio = radius_m / apart_m;
+    let others = 2.0 / 3.0_f64.sqrt() * PI * ratio * ratio + PI * ratio;
+    (others as usize).min(MOST_NEIGHBOURS)
 }

@@ -230,9 +230,11 @@ impl World {
             Some(crowd) => {
                 for (slot, body) in bodies.iter_mut().enumerate() {
                     let (x_m, y_m) = (body.x_m, body.y_m);
+                    // Before the walls: who is in sight is not known at once, and needed after them.
+                    let robots = crowd.look_around(slot, x_m, y_m, numbers);
                     let rays = optics.rays(x_m, y_m, body.cos, body.sin);
                     let mut distance_m = optics.to_walls(&rays, index, x_m, y_m);
-                    for &[ox_m, oy_m] in crowd.look_around(slot, x_m, y_m, numbers) {
+                    for &[ox_m, oy_m] in robots {
                         distance_m = optics.to_robot(&rays, ox_m, oy_m, distance_m);
                     }
                     if !objects.0.is_empty() {
