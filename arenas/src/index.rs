@@ -139,6 +139,17 @@ impl WallIndex {
             });
             listing.append(&mut list);
         }
+        // Walls get new numbers in the order in which cells list them: what is near each other lies
+        // together, in whatever order the arena names its walls.
+        let mut walls = Vec::with_capacity(segments.len());
+        let mut places = vec![None; segments.len()];
+        for number in &mut listing {
+            let old = *number as usize;
+            *number = *places[old].get_or_insert_with(|| {
+                walls.push(IndexedWall::new(&segments[old]));
+                walls.len() as u32 - 1
+            });
+        }
         Self {
             inverse_cell_m: (1.0 / cell_m) as f32,
             last_column: (columns - 1) as f32,
@@ -146,7 +157,7 @@ impl WallIndex {
             columns,
             cells,
             listing,
-            walls: segments.iter().map(IndexedWall::new).collect(),
+            walls,
         }
     }
 
@@ -175,11 +186,6 @@ impl WallIndex {
     #[inline(always)]
     pub fn wall(&self, number: u32) -> &IndexedWall {
         &self.walls[number as usize]
-    }
-
-    /// All walls, the four of the boundary first.
-    pub fn walls(&self) -> &[IndexedWall] {
-        &self.walls
     }
 
     /// Mean number of visible walls a cell, for reports on cost.

@@ -1,7 +1,7 @@
 //! What steers robots: from sensors to wheel commands, and what is learnt from the next sensors.
 
 use crate::lanes::F8;
-use crate::world::Body;
+use crate::world::Bodies;
 
 /// One robot's control program, called once before and once after every move.
 ///
@@ -51,9 +51,9 @@ pub trait Crew {
     #[inline(always)]
     fn expect_learning(&self, _robot: usize) {}
 
-    /// Called once all robots have moved and learnt; `bodies` has one entry a robot.
+    /// Called once all robots have moved and learnt; `bodies` are reached by their numbers.
     #[inline(always)]
-    fn end_step(&mut self, _step: u64, _bodies: &[Body]) {}
+    fn end_step(&mut self, _step: u64, _bodies: &Bodies) {}
 }
 
 impl<P: Pilot> Crew for [P] {

@@ -19,7 +19,7 @@ use api::frames::{
 };
 use swarm::run::{Phase, Progress, Run};
 use swarm::spec::RunSpec;
-use swarm::world::{Body, Objects};
+use swarm::world::{Bodies, Body, Objects};
 
 pub use ports::ChannelError;
 use ports::{HISTORY, MAX_SUBSCRIBERS, Ports, subscriber_buffer};
@@ -208,13 +208,13 @@ impl FramePublisher {
         self.put_moment(run.robots(), run.objects_here(), &FrameInfo::of(run));
     }
 
-    fn put_moment(&mut self, bodies: &[Body], objects: &Objects, info: &FrameInfo) {
+    fn put_moment(&mut self, bodies: &Bodies, objects: &Objects, info: &FrameInfo) {
         let started = Instant::now();
         self.slot.put(|frame| fill(frame, bodies, objects, info));
         self.note_copy(started);
     }
 
-    fn offer_moment(&mut self, bodies: &[Body], objects: &Objects, info: &FrameInfo) {
+    fn offer_moment(&mut self, bodies: &Bodies, objects: &Objects, info: &FrameInfo) {
         let started = Instant::now();
         if self
             .slot
@@ -261,7 +261,7 @@ impl Drop for FramePublisher {
     }
 }
 
-fn fill(frame: &mut Frame, bodies: &[Body], objects: &Objects, info: &FrameInfo) {
+fn fill(frame: &mut Frame, bodies: &Bodies, objects: &Objects, info: &FrameInfo) {
     frame.header = info.header(bodies.len());
     frame.robots.clear();
     let robot = |(number, body): (usize, &Body)| RobotState {

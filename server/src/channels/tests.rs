@@ -129,7 +129,7 @@ fn eventually<T>(what: &str, mut ask: impl FnMut() -> Option<T>) -> T {
 }
 
 /// Robots whose every value tells the robot and the step.
-fn bodies(step: u64, count: usize) -> Vec<Body> {
+fn bodies(step: u64, count: usize) -> Bodies {
     let start = swarm::world::StartPose {
         x_m: 0.0,
         y_m: 0.0,
@@ -144,7 +144,8 @@ fn bodies(step: u64, count: usize) -> Vec<Body> {
             (body.sensors, body.command) = ([x_m; 8], [x_m, -x_m]);
             body
         })
-        .collect()
+        .collect::<Vec<_>>()
+        .into()
 }
 
 fn info(step: u64) -> FrameInfo {

@@ -5,6 +5,8 @@
 //! overlaps goes back to where the step began, together with whoever that blocks: positions before
 //! the step were free of overlap, so this ends, and no overlap above [`OVERLAP_M`] survives a step.
 
+use std::f64::consts::PI;
+
 use arenas::index::{WallIndex, grid_coordinate};
 
 use super::kinematic::Contact;
@@ -14,38 +16,16 @@ use crate::world::Body;
 pub const OVERLAP_M: f32 = 5e-5;
 
 /// Most neighbours kept for contact: 18 discs of radius R fit with their centres within 4 R.
-const NEIGHBOURS: usize = 20;
+const MOST_NEIGHBOURS: usize = 20;
 
 const ITERATIONS: usize = 8;
-
-/// How many robots ahead memory is asked for.
-const AHEAD: usize = 6;
-
-/// Contact candidates of one robot.
-#[derive(Clone, Copy, Debug)]
-struct Neighbours {
-    count: u32,
-    number: [u32; NEIGHBOURS],
-}
-
-const NOBODY: Neighbours = Neighbours {
-    count: 0,
-    number: [0; NEIGHBOURS],
-};
-
-impl Neighbours {
-    #[inline(always)]
-    fn list(&self) -> &[u32] {
-        &self.number[..self.count as usize]
-    }
-}
 
 /// A robot in a cell.
 #[derive(Clone, Copy, Debug, Default)]
 struct Entry {
     x_m: f32,
     y_m: f32,
-    robot: u32,
+    slot: u32,
 }
 
 /// Cells at least as wide as robots see.
@@ -67,16 +47,24 @@ impl Grid {
     }
 }
 
-/// Scratch of an arena with several robots; can be rebuilt from positions at any time.
+/// Scratch of an arena with several robots; can be rebuilt from positions at any time. Robots are
+/// known by their slots, the places in which their bodies are stored.
 #[derive(Clone, Debug)]
 pub struct Crowd {
     grid: Grid,
     /// Start of each cell in `sorted`, one more than there are cells.
     starts: Vec<u32>,
+    /// By slot.
     cell_of: Vec<u32>,
-    /// Robots by cell, then by number.
+    /// Robots by cell, then by slot.
     sorted: Vec<Entry>,
-    near: Vec<Neighbours>,
+    /// Robots and their contact candidates, by slot, then by cell and number of the candidate; valid
+    /// up to the last of `near_ends`.
+    pairs: Vec<[u32; 2]>,
+    /// End of each robot's pairs, by slot, after a 0.
+    near_ends: Vec<u32>,
+    /// Most contact candidates of a robot.
+    near_most: usize,
     candidate_m2: f32,
     sight_m2: f32,
     seen: Vec<[f32; 2]>,
@@ -100,6 +88,8 @@ impl Crowd {
         let cell_m = sight_m.max(f64::from(candidate_m)).max(spread_m * 0.5) * 1.000_1;
         let columns = (width_m / cell_m).ceil().max(1.0) as usize;
         let rows = (height_m / cell_m).ceil().max(1.0) as usize;
+        let apart_m = f64::from(2.0 * (contact.radius_m - OVERLAP_M));
+        let near_most = most_neighbours(f64::from(candidate_m), apart_m);
         Self {
             starts: vec![0; columns * rows + 1],
             grid: Grid {
@@ -109,10 +99,12 @@ impl Crowd {
             },
             cell_of: vec![0; robots],
             sorted: vec![Entry::default(); robots],
-            near: vec![NOBODY; robots],
+            pairs: vec![[0; 2]; robots * near_most + 1],
+            near_most,
+            near_ends: vec![0; robots + 1],
             candidate_m2: candidate_m * candidate_m,
             sight_m2: (sight_m * sight_m) as f32,
-            seen: Vec::with_capacity(robots),
+            seen: vec![[0.0; 2]; robots],
             active: Vec::with_capacity(robots),
             moved: Vec::with_capacity(robots),
             stamp: vec![0; robots],
@@ -134,70 +126,101 @@ impl Crowd {
             sum += *start;
             *start = sum;
         }
-        // From the last robot to the first, so that numbers rise within a cell.
-        for (i, body) in bodies.iter().enumerate().rev() {
-            let place = &mut self.starts[self.cell_of[i] as usize];
+        // From the last robot to the first, so that slots rise within a cell.
+        for (slot, body) in bodies.iter().enumerate().rev() {
+            let place = &mut self.starts[self.cell_of[slot] as usize];
             *place -= 1;
             self.sorted[*place as usize] = Entry {
                 x_m: body.x_m,
                 y_m: body.y_m,
-                robot: i as u32,
+                slot: slot as u32,
             };
         }
     }
 
-    /// The robot that comes a few places later, or the last.
-    #[inline(always)]
-    pub fn robot_ahead(&self, place: usize) -> usize {
-        self.sorted[(place + AHEAD).min(self.sorted.len() - 1)].robot as usize
+    /// Gives robots the slots in whose order they are sorted; `swap` exchanges what two slots hold.
+    pub fn settle(&mut self, mut swap: impl FnMut(usize, usize)) {
+        // Cycle by cycle of the permutation; a slot that has its robot is entered as its own.
+        for first in 0..self.sorted.len() {
+            let mut to = first;
+            loop {
+                let from = self.sorted[to].slot as usize;
+                self.sorted[to].slot = to as u32;
+                if from == first {
+                    break;
+                }
+                swap(to, from);
+                self.cell_of.swap(to, from);
+                to = from;
+            }
+        }
     }
 
-    /// The robot at a place in the order of cells, as of the last sort.
+    /// Centres of the robots in sight of a robot. Notes contact candidates for the next step; slots
+    /// have to be asked in their order. `numbers` are the robots' numbers by slot.
     #[inline(always)]
-    pub fn robot_at(&self, place: usize) -> usize {
-        self.sorted[place].robot as usize
-    }
-
-    /// Centres of the robots in sight of robot `i`, in the order of cells and numbers. Notes contact
-    /// candidates for the next step.
-    #[inline(always)]
-    pub fn look_around(&mut self, i: usize, x_m: f32, y_m: f32) -> &[[f32; 2]] {
+    pub fn look_around(
+        &mut self,
+        slot: usize,
+        x_m: f32,
+        y_m: f32,
+        numbers: &[u32],
+    ) -> &[[f32; 2]] {
         let [column, row] = self.grid.cell(x_m, y_m);
-        let columns = self.grid.columns;
+        let (columns, rows) = (self.grid.columns, self.grid.rows);
         let (first, last) = (column.saturating_sub(1), (column + 1).min(columns - 1));
-        let near = &mut self.near[i];
-        let mut near_count = 0;
-        self.seen.clear();
-        for row in row.saturating_sub(1)..=(row + 1).min(self.grid.rows - 1) {
+        let pairs_begin = self.near_ends[slot] as usize;
+        let (pairs, seen) = (&mut self.pairs[pairs_begin..], &mut self.seen[..]);
+        let (mut near_count, mut seen_count) = (0, 0);
+        for row in row.saturating_sub(1)..=(row + 1).min(rows - 1) {
             let begin = self.starts[row * columns + first] as usize;
             let end = self.starts[row * columns + last + 1] as usize;
             for entry in &self.sorted[begin..end] {
                 let (dx, dy) = (entry.x_m - x_m, entry.y_m - y_m);
                 let d2 = dx * dx + dy * dy;
-                if d2 < self.sight_m2 && entry.robot as usize != i {
-                    self.seen.push([entry.x_m, entry.y_m]);
-                    // Whoever can be touched can be seen: sight reaches beyond the candidates.
-                    if d2 < self.candidate_m2 && near_count < NEIGHBOURS {
-                        near.number[near_count] = entry.robot;
-                        near_count += 1;
-                    }
-                }
+                // Nobody can foresee who is near: all are noted, and those who are not, overwritten.
+                let in_sight = (d2 < self.sight_m2) & (entry.slot as usize != slot);
+                seen[seen_count] = [entry.x_m, entry.y_m];
+                seen_count += usize::from(in_sight);
+                pairs[near_count] = [slot as u32, entry.slot];
+                near_count += usize::from(in_sight & (d2 < self.candidate_m2));
+                near_count = near_count.min(self.near_most);
             }
         }
-        near.count = near_count as u32;
-        &self.seen
+        let near = &mut pairs[..near_count];
+        // Sums of pushes must not depend on slots.
+        let key = |pair: [u32; 2]| (self.cell_of[pair[1] as usize], numbers[pair[1] as usize]);
+        for sorted in 1..near_count {
+            let mut at = sorted;
+            while at > 0 && key(near[at]) < key(near[at - 1]) {
+                near.swap(at, at - 1);
+                at -= 1;
+            }
+        }
+        self.near_ends[slot + 1] = (pairs_begin + near_count) as u32;
+        &self.seen[..seen_count]
+    }
+
+    /// A robot and its contact candidates, pair by pair.
+    #[inline(always)]
+    fn near(&self, slot: usize) -> &[[u32; 2]] {
+        &self.pairs[self.near_ends[slot] as usize..self.near_ends[slot + 1] as usize]
     }
 
     /// Resolves overlaps of bodies that are free of walls and were free of overlaps before the step.
     #[inline(always)]
     pub fn separate(&mut self, contact: &Contact, index: &WallIndex, bodies: &mut [Body]) {
+        let diameter_m = 2.0 * contact.radius_m;
+        let limit = diameter_m - 0.5 * OVERLAP_M;
         self.active.clear();
-        for entry in &self.sorted {
-            if self.near[entry.robot as usize].count > 0 {
-                self.active.push(entry.robot);
+        let all = self.near_ends[bodies.len()] as usize;
+        for &[i, other] in &self.pairs[..all] {
+            let (body, other) = (&bodies[i as usize], &bodies[other as usize]);
+            let (dx, dy) = (body.x_m - other.x_m, body.y_m - other.y_m);
+            if dx * dx + dy * dy < limit * limit && self.active.last() != Some(&i) {
+                self.active.push(i);
             }
         }
-        let diameter_m = 2.0 * contact.radius_m;
         for _ in 0..ITERATIONS {
             self.moved.clear();
             for &i in &self.active {
@@ -233,7 +256,7 @@ impl Crowd {
         let (x, y, [from_x, from_y]) = (body.x_m, body.y_m, body.from_m);
         let limit = diameter_m - 0.5 * OVERLAP_M;
         let (mut px, mut py, mut overlaps) = (0.0, 0.0, false);
-        for &other in self.near[i].list() {
+        for &[_, other] in self.near(i) {
             let other = &bodies[other as usize];
             let (dx, dy) = (x - other.x_m, y - other.y_m);
             let d2 = dx * dx + dy * dy;
@@ -274,7 +297,9 @@ impl Crowd {
         self.round = self.round.wrapping_add(1);
         self.active.clear();
         for &(i, _, _) in &self.moved {
-            for &who in std::iter::once(&i).chain(self.near[i as usize].list()) {
+            let i = i as usize;
+            let near = &self.pairs[self.near_ends[i] as usize..self.near_ends[i + 1] as usize];
+            for &who in std::iter::once(&(i as u32)).chain(near.iter().map(|[_, other]| other)) {
                 if self.stamp[who as usize] != self.round {
                     self.stamp[who as usize] = self.round;
                     self.active.push(who);
@@ -294,7 +319,7 @@ impl Crowd {
                 if [body.x_m, body.y_m] == body.from_m {
                     continue;
                 }
-                let clash = self.near[i as usize].list().iter().any(|&j| {
+                let clash = self.near(i as usize).iter().any(|&[_, j]| {
                     let other = &bodies[j as usize];
                     let (dx, dy) = (body.x_m - other.x_m, body.y_m - other.y_m);
                     dx * dx + dy * dy < limit * limit
@@ -313,14 +338,23 @@ impl Crowd {
         }
     }
 
-    /// Bytes held. No list outgrows its capacity, one entry a robot.
+    /// Bytes set aside. No list outgrows its capacity, one entry a robot.
     pub fn bytes(&self) -> usize {
         let lists = size_of::<[f32; 2]>() + size_of::<u32>() + size_of::<(u32, f32, f32)>();
         size_of_val(&self.starts[..])
             + size_of_val(&self.cell_of[..])
             + size_of_val(&self.sorted[..])
-            + size_of_val(&self.near[..])
+            + size_of_val(&self.pairs[..])
+            + size_of_val(&self.near_ends[..])
             + size_of_val(&self.stamp[..])
             + self.stamp.len() * lists
     }
+}
+
+/// Most points, each at least `apart_m` from the others, that lie within `radius_m` of one of them
+/// (Oler's inequality for a disc).
+fn most_neighbours(radius_m: f64, apart_m: f64) -> usize {
+    let ratio = radius_m / apart_m;
+    let others = 2.0 / 3.0_f64.sqrt() * PI * ratio * ratio + PI * ratio;
+    (others as usize).min(MOST_NEIGHBOURS)
 }

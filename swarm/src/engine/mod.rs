@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::robot::RobotModel;
 use crate::spec::EngineKind;
-use crate::world::{Body, ObjectPose, StartPose};
+use crate::world::{Bodies, ObjectPose, StartPose};
 use rapier::RapierEngine;
 
 /// The engine of one world, with whatever state it keeps between steps.
@@ -56,7 +56,7 @@ impl Motor {
     }
 
     /// Puts robots elsewhere at once, without any memory of earlier contacts.
-    pub fn place(&mut self, bodies: &[Body]) {
+    pub fn place(&mut self, bodies: &Bodies) {
         if let Motor::Rapier(rigid) = self {
             rigid.columns.read(bodies);
             rigid.engine.place(&rigid.columns.x_m, &rigid.columns.y_m);
@@ -71,7 +71,7 @@ impl Rigid {
     }
 
     /// Takes over where bodies were put after the step.
-    pub fn correct(&mut self, bodies: &[Body]) {
+    pub fn correct(&mut self, bodies: &Bodies) {
         let places = bodies.iter().map(|body| [body.x_m, body.y_m]);
         let ends = self.columns.x_m.iter().zip(&self.columns.y_m);
         for (robot, (place, (x_m, y_m))) in places.zip(ends).enumerate() {
@@ -82,7 +82,7 @@ impl Rigid {
     }
 
     /// Moves bodies from `from_m` towards where they want to be.
-    pub fn step(&mut self, bodies: &mut [Body]) {
+    pub fn step(&mut self, bodies: &mut Bodies) {
         let c = &mut self.columns;
         c.read(bodies);
         for (i, body) in bodies.iter().enumerate() {
@@ -92,7 +92,9 @@ impl Rigid {
         }
         self.engine
             .step(&mut c.x_m, &mut c.y_m, &c.dx_m, &c.dy_m, &mut c.touched);
-        for (i, body) in bodies.iter_mut().enumerate() {
+        let (stored, numbers) = bodies.stored_mut();
+        for (body, &number) in stored.iter_mut().zip(numbers) {
+            let i = number as usize;
             (body.x_m, body.y_m, body.touched) = (c.x_m[i], c.y_m[i], c.touched[i]);
         }
     }
@@ -100,7 +102,7 @@ impl Rigid {
 
 impl Columns {
     /// Takes the bodies' positions, and makes room for as many ways.
-    fn read(&mut self, bodies: &[Body]) {
+    fn read(&mut self, bodies: &Bodies) {
         self.x_m.clear();
         self.y_m.clear();
         self.x_m.extend(bodies.iter().map(|body| body.x_m));

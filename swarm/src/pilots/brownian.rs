@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::lanes::F8;
 use crate::pilot::Pilot;
+use crate::prefetch::prefetch;
 use crate::random::{draw, unit};
 
 /// Draws every command afresh.
@@ -37,4 +38,9 @@ impl Pilot for Brownian {
 
     #[inline(always)]
     fn learn(&mut self, _raw: &F8) {}
+
+    #[inline(always)]
+    fn expect_acting(&self) {
+        prefetch(self);
+    }
 }

@@ -8,7 +8,7 @@ use crate::lanes::F8;
 use crate::learn::repository::Repository;
 use crate::pilot::Crew;
 use crate::spec::ControllerParameters;
-use crate::world::Body;
+use crate::world::Bodies;
 
 /// Robots that choose from the same table and write to it.
 ///
@@ -48,8 +48,8 @@ impl Team {
     }
 
     /// Starts a trajectory from the sensors read at its beginning.
-    pub fn begin_trajectory(&mut self, bodies: &[Body]) {
-        for (decider, body) in self.deciders.iter_mut().zip(bodies) {
+    pub fn begin_trajectory(&mut self, bodies: &Bodies) {
+        for (decider, body) in self.deciders.iter_mut().zip(bodies.iter()) {
             decider.begin_trajectory(&self.codebook, &F8(body.sensors));
         }
     }
@@ -122,7 +122,7 @@ impl Crew for Team {
         self.deciders[robot].arrive(&self.codebook, raw);
     }
 
-    fn end_step(&mut self, _step: u64, _bodies: &[Body]) {
+    fn end_step(&mut self, _step: u64, _bodies: &Bodies) {
         for decider in &self.deciders {
             let Transition {
                 state,

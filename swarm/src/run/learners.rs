@@ -218,12 +218,12 @@ impl Learners {
     pub fn begin_trajectory(&mut self, state: &WorldState) {
         match self {
             Learners::Explorers(pilots) => {
-                for (pilot, body) in pilots.iter_mut().zip(&state.bodies) {
+                for (pilot, body) in pilots.iter_mut().zip(state.bodies.iter()) {
                     pilot.begin_trajectory(&F8(body.sensors));
                 }
             }
             Learners::Replayers(pilots) => {
-                for (pilot, body) in pilots.iter_mut().zip(&state.bodies) {
+                for (pilot, body) in pilots.iter_mut().zip(state.bodies.iter()) {
                     pilot.begin_trajectory(&F8(body.sensors));
                 }
             }

@@ -25,7 +25,7 @@ use crate::random::{Purpose, Site, stream_key};
 use crate::sharing::Sharing;
 use crate::sharing::radio::Radio;
 use crate::spec::{Episodes, FieldError, RunSpec};
-use crate::world::{Backend, Body, Ground, StartPose, World};
+use crate::world::{Backend, Bodies, Ground, StartPose, World};
 use learners::Learners;
 use plan::{Stage, arena_epochs};
 pub(crate) use plan::{StageKind, stages};
@@ -403,7 +403,7 @@ impl Run {
     }
 
     /// All robots, in the arena that they are in right now; index is the robot's number.
-    pub fn robots(&self) -> &[Body] {
+    pub fn robots(&self) -> &Bodies {
         &self.venues[self.venue()].world.state().bodies
     }
 

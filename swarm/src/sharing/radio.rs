@@ -18,7 +18,7 @@ use crate::memory::MemoryPlan;
 use crate::pilot::{Crew, Pilot};
 use crate::pilots::{Crawler, Explorer, Transition};
 use crate::random::{below, draw};
-use crate::world::Body;
+use crate::world::Bodies;
 
 /// Bytes of a genome and its fitness.
 const GENOME_BYTES: u32 = (WEIGHTS * size_of::<f32>() + size_of::<f64>()) as u32;
@@ -77,9 +77,9 @@ impl Radio {
     }
 
     /// Sorts robots into cells.
-    fn locate(&mut self, bodies: &[Body]) {
+    fn locate(&mut self, bodies: &Bodies) {
         self.first.fill(0);
-        for (cell, body) in self.cell_of.iter_mut().zip(bodies) {
+        for (cell, body) in self.cell_of.iter_mut().zip(bodies.iter()) {
             let column = ((body.x_m / self.cell_m) as usize).min(self.columns - 1);
             let row = ((body.y_m / self.cell_m) as usize).min(self.rows - 1);
             *cell = (row * self.columns + column) as u32;
@@ -105,7 +105,7 @@ impl Radio {
 
     /// Calls `hear` with up to [`MOST_HEARD`] robots in range of a robot. Where more are, those that
     /// come first from a place that depends on robot and step.
-    fn each_heard(&self, robot: usize, step: u64, bodies: &[Body], mut hear: impl FnMut(usize)) {
+    fn each_heard(&self, robot: usize, step: u64, bodies: &Bodies, mut hear: impl FnMut(usize)) {
         let cell = self.cell_of[robot] as usize;
         let (column, row) = (cell % self.columns, cell / self.columns);
         let (left, right) = (column.saturating_sub(1), (column + 1).min(self.columns - 1));
@@ -146,7 +146,7 @@ impl Radio {
     }
 
     /// Phase 1: genomes.
-    fn exchange_genomes(&mut self, crawlers: &mut [Crawler], step: u64, bodies: &[Body]) {
+    fn exchange_genomes(&mut self, crawlers: &mut [Crawler], step: u64, bodies: &Bodies) {
         if !(step + 1).is_multiple_of(self.genome_steps) {
             return;
         }
@@ -172,7 +172,7 @@ impl Radio {
     }
 
     /// Phase 3: transitions.
-    fn exchange_transitions(&mut self, explorers: &mut [Explorer], step: u64, bodies: &[Body]) {
+    fn exchange_transitions(&mut self, explorers: &mut [Explorer], step: u64, bodies: &Bodies) {
         self.locate(bodies);
         let earlier = self.earlier as usize;
         for (robot, explorer) in explorers.iter().enumerate() {
@@ -237,17 +237,17 @@ fn cells(length_m: f32, cell_m: f32) -> usize {
 /// Pilots that have something to tell by radio.
 pub trait Tell: Pilot + Sized {
     /// Lets all robots of a step hear what those in range tell.
-    fn exchange(radio: &mut Radio, pilots: &mut [Self], step: u64, bodies: &[Body]);
+    fn exchange(radio: &mut Radio, pilots: &mut [Self], step: u64, bodies: &Bodies);
 }
 
 impl Tell for Crawler {
-    fn exchange(radio: &mut Radio, pilots: &mut [Self], step: u64, bodies: &[Body]) {
+    fn exchange(radio: &mut Radio, pilots: &mut [Self], step: u64, bodies: &Bodies) {
         radio.exchange_genomes(pilots, step, bodies);
     }
 }
 
 impl Tell for Explorer {
-    fn exchange(radio: &mut Radio, pilots: &mut [Self], step: u64, bodies: &[Body]) {
+    fn exchange(radio: &mut Radio, pilots: &mut [Self], step: u64, bodies: &Bodies) {
         radio.exchange_transitions(pilots, step, bodies);
     }
 }
@@ -286,7 +286,7 @@ impl<P: Tell> Crew for Talkers<'_, P> {
         self.pilots[robot].expect_learning();
     }
 
-    fn end_step(&mut self, step: u64, bodies: &[Body]) {
+    fn end_step(&mut self, step: u64, bodies: &Bodies) {
         P::exchange(self.radio, self.pilots, step, bodies);
     }
 }

@@ -5,7 +5,7 @@ use super::*;
 use crate::random::{Purpose, Site, Stream, stream_key};
 use crate::sharing::DEFAULT_BYTES_PER_STEP;
 use crate::sharing::testing::plan;
-use crate::world::StartPose;
+use crate::world::{Bodies, Body, StartPose};
 
 fn radio(range_m: Option<f64>, robots: usize) -> Radio {
     let link = RadioLink {
@@ -16,7 +16,7 @@ fn radio(range_m: Option<f64>, robots: usize) -> Radio {
     Radio::new(&link, &plan(), robots, (3.0, 2.0), key)
 }
 
-fn scattered(robots: usize, seed: u64) -> Vec<Body> {
+fn scattered(robots: usize, seed: u64) -> Bodies {
     let mut stream = Stream::new(seed);
     (0..robots)
         .map(|_| {
@@ -27,7 +27,8 @@ fn scattered(robots: usize, seed: u64) -> Vec<Body> {
                 sin: 0.0,
             })
         })
-        .collect()
+        .collect::<Vec<_>>()
+        .into()
 }
 
 #[test]

@@ -5,6 +5,7 @@
 //! of one robot, so nothing is gained by an array for each quantity, and neighbours are met at
 //! random.
 
+mod bodies;
 mod body;
 mod grid;
 mod object_grid;
@@ -20,6 +21,7 @@ use arenas::index::WallIndex;
 use arenas::{Arena, Squares};
 use serde::{Deserialize, Serialize};
 
+pub use bodies::Bodies;
 pub use body::{Body, StartPose};
 use grid::Grid;
 use object_grid::ObjectGrid;
@@ -45,7 +47,7 @@ pub struct WorldState {
     /// Robot-steps in contact with a wall or robot while visits were counted.
     pub collisions: u64,
     /// The robots; index is the robot's number.
-    pub bodies: Vec<Body>,
+    pub bodies: Bodies,
     /// Entries and steps spent, a square.
     visits: Vec<[u32; 2]>,
     /// When squares were first entered, and by how many robots.
@@ -87,10 +89,16 @@ pub struct World {
     contact: Contact,
     starts: Vec<StartPose>,
     grid: Grid,
+    /// By slot, like the bodies as they are stored.
     noise_keys: Vec<u64>,
+    /// By slot; empty where wheels do not slip.
     slip_keys: Vec<u64>,
     crowd: Option<Crowd>,
     object_grid: ObjectGrid,
+    /// Steps for which robots stay stored as they are; 0 has them put in order when sensors are read.
+    settled_steps: u32,
+    /// Slots of the robots in squares in which no step has been counted so far.
+    arrivals: Vec<u32>,
 }
 
 /// What every world of one arena and robot shares: built once, read by all.
@@ -132,7 +140,7 @@ impl World {
             step: 0,
             readings: 0,
             collisions: 0,
-            bodies: starts.iter().map(Body::at_rest).collect(),
+            bodies: starts.iter().map(Body::at_rest).collect::<Vec<_>>().into(),
             visits: vec![[0; 2]; squares],
             tally: Tally::default(),
             objects: Objects::new(&ground.arena),
@@ -191,6 +199,8 @@ impl World {
             },
             drive,
             crowd,
+            settled_steps: 0,
+            arrivals: Vec::with_capacity(n),
         }
     }
 
@@ -282,10 +292,11 @@ impl World {
 
     /// Bytes held for robots and squares, index of walls excluded.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.state.bodies[..])
+        self.state.bodies.bytes()
             + size_of_val(&self.starts[..])
             + size_of_val(&self.noise_keys[..])
             + size_of_val(&self.slip_keys[..])
+            + self.arrivals.capacity() * size_of::<u32>()
             + size_of_val(&self.state.visits[..])
             + self.state.tally.bytes()
             + size_of_val(&self.state.objects.poses[..])
@@ -296,10 +307,11 @@ impl World {
 
     /// Puts every robot back to its start pose at rest and reads the sensors.
     pub fn reset(&mut self) {
-        for (body, start) in self.state.bodies.iter_mut().zip(&self.starts) {
-            body.put_back(start);
+        for (number, start) in self.starts.iter().enumerate() {
+            self.state.bodies.get_mut(number).put_back(start);
         }
         self.motor.place(&self.state.bodies);
+        self.settled_steps = 0;
         if let Motor::Rapier(rigid) = &self.motor {
             self.state.objects.follow(rigid.objects(), false);
         }
@@ -312,7 +324,7 @@ impl World {
         for i in 0..self.state.bodies.len() {
             let body = &self.state.bodies[i];
             let square = self.square_of(body.x_m, body.y_m);
-            let body = &mut self.state.bodies[i];
+            let body = self.state.bodies.get_mut(i);
             body.square = square;
             if self.counting {
                 self.state.tally.enter(square, body);

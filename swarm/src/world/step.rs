@@ -1,22 +1,25 @@
 //! The phases of a step: decide and drive, collide, account, sense, learn.
 //!
 //! Every phase takes each robot by itself, from state that no other robot changes in that phase, so
-//! the order of robots cannot matter: where neighbours matter, they are taken in the order of their
-//! cells, which keeps what is read together in the cache.
+//! the order of robots cannot matter. They are taken in the order in which they are stored, which
+//! is put in the order of cells now and then, so that what is read together stays in the cache.
 
 use super::objects::see;
 use super::{Backend, World, WorldState};
 use crate::engine::Motor;
 use crate::lanes::F8;
 use crate::pilot::{Crew, Pilot};
-use crate::prefetch::prefetch;
 use crate::random::{mix64, unit};
 
 /// Odd, close to 2^64 / golden ratio: spreads counters over all words.
 const SPREAD: u64 = 0x9E37_79B9_7F4A_7C15;
 
 /// How many robots ahead learners are told that their turn comes.
-const AHEAD: usize = 2;
+const AHEAD: usize = 4;
+
+/// Steps after which robots are stored in the order of their cells again: by then the fastest are
+/// some rows of cells away from those that they are stored with.
+const SETTLED_STEPS: u32 = 256;
 
 impl World {
     /// Moves every robot `steps` times; `pilots` has one entry a robot.
@@ -52,12 +55,7 @@ impl World {
             self.collide();
             self.account();
             self.sense();
-            for i in 0..crew.len() {
-                if i + AHEAD < crew.len() {
-                    crew.expect_learning(i + AHEAD);
-                }
-                crew.learn(i, &F8(self.state.bodies[i].sensors));
-            }
+            self.learn(crew);
             crew.end_step(self.state.step, &self.state.bodies);
             self.state.step += 1;
         }
@@ -67,11 +65,13 @@ impl World {
     fn decide_and_drive<C: Crew + ?Sized>(&mut self, crew: &mut C) {
         let step = self.state.step;
         let drive = &self.drive;
-        for (i, body) in self.state.bodies.iter_mut().enumerate() {
-            if i + AHEAD < crew.len() {
-                crew.expect_acting(i + AHEAD);
+        let alone = matches!((&self.motor, &self.crowd), (Motor::Kinematic, None));
+        let (bodies, numbers) = self.state.bodies.stored_mut();
+        for (i, body) in bodies.iter_mut().enumerate() {
+            if i + AHEAD < numbers.len() {
+                crew.expect_acting(numbers[i + AHEAD] as usize);
             }
-            let command = crew.act(i, step, &F8(body.sensors));
+            let command = crew.act(numbers[i] as usize, step, &F8(body.sensors));
             body.command = command;
             let left = drive.accelerate(body.wheels_rad_s[0], command[0]);
             let right = drive.accelerate(body.wheels_rad_s[1], command[1]);
@@ -88,22 +88,32 @@ impl World {
             body.y_m += motion.dy_m;
             body.cos = motion.cos;
             body.sin = motion.sin;
+            if alone {
+                self.contact.move_body(&self.index, body);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn learn<C: Crew + ?Sized>(&mut self, crew: &mut C) {
+        let (bodies, numbers) = self.state.bodies.stored_mut();
+        for (i, body) in bodies.iter().enumerate() {
+            if i + AHEAD < numbers.len() {
+                crew.expect_learning(numbers[i + AHEAD] as usize);
+            }
+            crew.learn(numbers[i] as usize, &F8(body.sensors));
         }
     }
 
     #[inline(always)]
     fn collide(&mut self) {
-        let bodies = &mut self.state.bodies[..];
+        let bodies = &mut self.state.bodies;
         match (&mut self.motor, &mut self.crowd) {
-            (Motor::Kinematic, None) => {
-                for body in bodies {
-                    self.contact.move_body(&self.index, body);
-                }
-            }
+            // Moved as soon as it was driven.
+            (Motor::Kinematic, None) => {}
             (Motor::Kinematic, Some(crowd)) => {
-                for place in 0..bodies.len() {
-                    prefetch(&bodies[crowd.robot_ahead(place)]);
-                    let body = &mut bodies[crowd.robot_at(place)];
+                let (bodies, _) = bodies.stored_mut();
+                for body in bodies.iter_mut() {
                     self.contact.move_body(&self.index, body);
                 }
                 crowd.separate(&self.contact, &self.index, bodies);
@@ -112,7 +122,7 @@ impl World {
                 engine.step(bodies);
                 if let Some(crowd) = crowd {
                     // rapier's contacts are soft: what is left of an overlap is parted here.
-                    crowd.separate(&self.contact, &self.index, bodies);
+                    crowd.separate(&self.contact, &self.index, bodies.stored_mut().0);
                     engine.correct(bodies);
                 }
                 let objects = &mut self.state.objects;
@@ -142,7 +152,9 @@ impl World {
             ..
         } = &mut self.state;
         tally.step();
-        for body in bodies.iter_mut() {
+        self.arrivals.clear();
+        let (stored, _) = bodies.stored_mut();
+        for (slot, body) in stored.iter_mut().enumerate() {
             let square = grid.square_of(body.x_m, body.y_m);
             let entered = square != body.square;
             let (dx_m, dy_m) = (body.x_m - body.from_m[0], body.y_m - body.from_m[1]);
@@ -154,23 +166,56 @@ impl World {
             // One test for both: the first step in the square, and the last that can be counted.
             let steps = visit[1].wrapping_add(1);
             if steps <= 1 {
-                tally.end_of_count(square, body, visit);
+                self.arrivals.push(slot as u32);
             } else {
                 visit[1] = steps;
             }
         }
         tally.see(bodies);
+        if !self.arrivals.is_empty() {
+            self.count_arrivals();
+        }
+    }
+
+    /// Counts the step of robots in squares that have none so far, or as many as can be counted. Of
+    /// several robots the one with the lowest number is the first in its square.
+    #[cold]
+    #[inline(never)]
+    fn count_arrivals(&mut self) {
+        let (stored, numbers) = self.state.bodies.stored_mut();
+        self.arrivals
+            .sort_unstable_by_key(|&slot| numbers[slot as usize]);
+        for &slot in &self.arrivals {
+            let body = &mut stored[slot as usize];
+            let steps = &mut self.state.visits[body.square as usize][1];
+            self.state.tally.enter(body.square, body);
+            *steps = steps.saturating_add(1);
+        }
+    }
+
+    /// Sorts robots into cells, and now and then stores them in that order.
+    #[inline(always)]
+    fn sort(&mut self) {
+        if let Some(crowd) = &mut self.crowd {
+            crowd.sort(self.state.bodies.stored());
+            if self.settled_steps == 0 {
+                self.settled_steps = SETTLED_STEPS;
+                self.store_by_cell();
+            }
+            self.settled_steps -= 1;
+        }
     }
 
     #[inline(always)]
     fn sense(&mut self) {
+        self.sort();
         let (optics, index) = (&self.optics, &*self.index);
         let poses = &self.state.objects.poses[..];
         self.object_grid.update(poses);
         let objects = (poses, &self.object_grid);
         let counter = self.state.readings.wrapping_mul(SPREAD);
         self.state.readings += 1;
-        let bodies = &mut self.state.bodies[..];
+        let (bodies, numbers) = self.state.bodies.stored_mut();
         match &mut self.crowd {
             None => {
                 for (body, key) in bodies.iter_mut().zip(&self.noise_keys) {
@@ -185,21 +230,19 @@ impl World {
                 }
             }
             Some(crowd) => {
-                crowd.sort(bodies);
-                for place in 0..bodies.len() {
-                    prefetch(&bodies[crowd.robot_ahead(place)]);
-                    let i = crowd.robot_at(place);
-                    let body = &mut bodies[i];
+                for (slot, body) in bodies.iter_mut().enumerate() {
                     let (x_m, y_m) = (body.x_m, body.y_m);
+                    // Before the walls: who is in sight is not known at once, and needed after them.
+                    let robots = crowd.look_around(slot, x_m, y_m, numbers);
                     let rays = optics.rays(x_m, y_m, body.cos, body.sin);
                     let mut distance_m = optics.to_walls(&rays, index, x_m, y_m);
-                    for &[ox_m, oy_m] in crowd.look_around(i, x_m, y_m) {
+                    for &[ox_m, oy_m] in robots {
                         distance_m = optics.to_robot(&rays, ox_m, oy_m, distance_m);
                     }
                     if !objects.0.is_empty() {
                         distance_m = see(optics, objects, &rays, (x_m, y_m), distance_m);
                     }
-                    let word = mix64(self.noise_keys[i].wrapping_add(counter));
+                    let word = mix64(self.noise_keys[slot].wrapping_add(counter));
                     body.sensors = optics.respond(distance_m, word).0;
                 }
             }
@@ -209,11 +252,26 @@ impl World {
     /// Rebuilds the scratch that depends on positions.
     pub(super) fn find_neighbours(&mut self) {
         if let Some(crowd) = &mut self.crowd {
-            crowd.sort(&self.state.bodies);
-            for (i, body) in self.state.bodies.iter().enumerate() {
-                crowd.look_around(i, body.x_m, body.y_m);
+            let (bodies, numbers) = self.state.bodies.stored_mut();
+            crowd.sort(bodies);
+            for (slot, body) in bodies.iter().enumerate() {
+                crowd.look_around(slot, body.x_m, body.y_m, numbers);
             }
         }
+    }
+
+    /// Stores robots in the order of the cells into which they have just been sorted.
+    #[inline(never)]
+    fn store_by_cell(&mut self) {
+        let Some(crowd) = &mut self.crowd else { return };
+        crowd.settle(|a, b| {
+            self.state.bodies.swap(a, b);
+            self.noise_keys.swap(a, b);
+            if !self.slip_keys.is_empty() {
+                self.slip_keys.swap(a, b);
+            }
+        });
+        self.state.bodies.renumber();
     }
 }
 

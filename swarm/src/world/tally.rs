@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Body;
+use super::{Bodies, Body};
 
 /// Most robots whose squares are remembered one by one: every n-th, evenly spread over the numbers.
 pub const SAMPLED_ROBOTS: usize = 256;
@@ -71,25 +71,17 @@ impl Tally {
         }
     }
 
-    /// A step is spent in a square that has none so far, or as many as can be counted.
-    #[cold]
-    #[inline(never)]
-    pub(super) fn end_of_count(&mut self, square: u32, body: &mut Body, visit: &mut [u32; 2]) {
-        self.enter(square, body);
-        visit[1] = visit[1].saturating_add(1);
-    }
-
-    /// Takes in where the sampled robots are; `bodies` in order of the robots' numbers.
+    /// Takes in where the sampled robots are.
     #[inline(always)]
-    pub(super) fn see(&mut self, bodies: &[Body]) {
+    pub(super) fn see(&mut self, bodies: &Bodies) {
         if self.seen_by.is_empty() {
             return;
         }
         let squares = self.seen_by.len();
         let (stride, _) = sample(bodies.len(), squares);
-        let sampled = bodies.iter().step_by(stride);
-        for (body, seen) in sampled.zip(self.seen.chunks_exact_mut(words(squares))) {
-            let square = body.square as usize;
+        let sampled = (0..bodies.len()).step_by(stride);
+        for (number, seen) in sampled.zip(self.seen.chunks_exact_mut(words(squares))) {
+            let square = bodies[number].square as usize;
             let (word, bit) = (&mut seen[square / 64], 1 << (square % 64));
             if *word & bit == 0 {
                 *word |= bit;
@@ -154,12 +146,12 @@ mod tests {
             cos: 1.0,
             sin: 0.0,
         };
-        let mut bodies = [Body::at_rest(&start); 3];
+        let mut bodies = Bodies::from(vec![Body::at_rest(&start); 3]);
         let mut tally = Tally::default();
         tally.begin(3, 70);
         for squares in [[0, 0, 65], [65, 0, 65], [0, 69, 1]] {
-            for (body, square) in bodies.iter_mut().zip(squares) {
-                body.square = square;
+            for (number, square) in squares.into_iter().enumerate() {
+                bodies.get_mut(number).square = square;
             }
             tally.see(&bodies);
         }

@@ -63,7 +63,7 @@ fn quiet() -> RobotModel {
 fn deepest_in_wall(world: &World, arena: &Arena, radius_m: f64) -> f64 {
     let state = world.state();
     let mut deepest = f64::NEG_INFINITY;
-    for Body { x_m: x, y_m: y, .. } in &state.bodies {
+    for Body { x_m: x, y_m: y, .. } in state.bodies.iter() {
         let point = nalgebra::Point2::new(f64::from(*x), f64::from(*y));
         assert!(x.is_finite() && y.is_finite());
         for wall in arena.walls().iter().chain(&arena.boundary()) {

@@ -250,7 +250,7 @@ proptest! {
             for (object, pose) in ground.arena.objects().iter().zip(&state.objects.poses) {
                 prop_assert!(pose.x_m > 0.0 && pose.x_m < 0.6 && pose.y_m > 0.0 && pose.y_m < 0.6);
                 prop_assert!((pose.cos.hypot(pose.sin) - 1.0).abs() < 1e-3);
-                for body in &state.bodies {
+                for body in state.bodies.iter() {
                     let (x, y) = (f64::from(body.x_m), f64::from(body.y_m));
                     prop_assert!(!is_inside(object, pose, x, y), "a robot's centre is in a {}", object.kind());
                 }
