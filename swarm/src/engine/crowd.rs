@@ -159,13 +159,7 @@ impl Crowd {
     /// Centres of the robots in sight of a robot. Notes contact candidates for the next step; slots
     /// have to be asked in their order. `numbers` are the robots' numbers by slot.
     #[inline(always)]
-    pub fn look_around(
-        &mut self,
-        slot: usize,
-        x_m: f32,
-        y_m: f32,
-        numbers: &[u32],
-    ) -> &[[f32; 2]] {
+    pub fn look_around(&mut self, slot: usize, x_m: f32, y_m: f32, numbers: &[u32]) -> &[[f32; 2]] {
         let [column, row] = self.grid.cell(x_m, y_m);
         let (columns, rows) = (self.grid.columns, self.grid.rows);
         let (first, last) = (column.saturating_sub(1), (column + 1).min(columns - 1));
@@ -357,4 +351,17 @@ fn most_neighbours(radius_m: f64, apart_m: f64) -> usize {
     let ratio = radius_m / apart_m;
     let others = 2.0 / 3.0_f64.sqrt() * PI * ratio * ratio + PI * ratio;
     (others as usize).min(MOST_NEIGHBOURS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn there_is_room_for_every_neighbour() {
+        // Six touch one; 18 fit within two diameters, as in a hexagonal grid.
+        assert!((6..=10).contains(&most_neighbours(1.0, 1.0)));
+        assert!((18..=MOST_NEIGHBOURS).contains(&most_neighbours(2.0, 1.0)));
+        assert_eq!(most_neighbours(10.0, 1.0), MOST_NEIGHBOURS);
+    }
 }
