@@ -135,6 +135,16 @@ impl Client {
         page.items
     }
 
+    /// The names of all methods, as a list.
+    pub fn methods(&self) -> Value {
+        let listing: Value = self.get("/v1/controllers").json();
+        let methods = listing["methods"].as_array().unwrap();
+        methods
+            .iter()
+            .map(|method| method["name"].clone())
+            .collect()
+    }
+
     /// The only run of a job.
     pub fn only_run(&self, job: &Job) -> RunSummary {
         let mut runs = self.runs(job);

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use api::{Job, State};
 use rusqlite::{Connection, OpenFlags};
-use serde_json::{Value, json};
+use serde_json::json;
 use tests::server::Server;
 use tests::{command, wait};
 
@@ -78,17 +78,11 @@ fn a_killed_reproduction_ends_in_the_same_report() {
 /// A service on the same data gives the same report, of that job and of the same one posted to it.
 fn the_same_over_http(out: &Path) {
     let server = Server::start(out);
-    let methods = server.get("/v1/controllers").json::<Value>()["methods"].clone();
-    let names = methods
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|method| method["name"].clone());
     let job = json!({
         "base": { "epochs": 40 },
         "seeds": { "first": 1, "count": 2 },
         "parts": [
-            { "matrix": { "arena": ["easy"], "controller.method": names.collect::<Value>() } },
+            { "matrix": { "arena": ["easy"], "controller.method": server.methods() } },
             {
                 "base": { "engine": "rapier" },
                 "matrix": {

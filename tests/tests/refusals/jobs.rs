@@ -31,6 +31,12 @@ fn wrong_jobs_are_refused() {
             "/matrix/robots+epochs/1",
         ),
         (json!({ "matrix": { "seed": [1, 2] } }), "/matrix/seed"),
+        (json!({ "parts": [{}], "matrix": {} }), "/matrix"),
+        (json!({ "parts": [{}, {}] }), "/parts/1"),
+        (
+            json!({ "parts": [{ "base": { "epochs": 0 } }] }),
+            "/parts/0/base/epochs",
+        ),
         (json!({ "seeds": [1, 2, 1] }), "/seeds/2"),
         (json!({ "seeds": [] }), "/seeds"),
         (json!({ "seeds": 3 }), "/seeds"),

@@ -33,6 +33,11 @@ fn every_row_of_the_readme_is_tested() {
             "",
         ),
         (
+            "parts beside a matrix, or two that make the same run",
+            "422",
+            "",
+        ),
+        (
             "a seed twice, or seeds beside a seed in the base run",
             "422",
             "",
@@ -52,10 +57,19 @@ fn every_row_of_the_readme_is_tested() {
             "403",
             "",
         ),
-        ("an unknown job, run, arena or route", "404", ""),
+        (
+            "an unknown job, run, arena or route, or the report of another job than chapter 5",
+            "404",
+            "",
+        ),
         ("a method that a route does not have", "405", ""),
         (
             "the result of an unfinished run, or cancelling a finished one",
+            "409",
+            "",
+        ),
+        (
+            "the report of an unfinished job, or trying one again",
             "409",
             "",
         ),

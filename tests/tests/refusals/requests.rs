@@ -73,6 +73,20 @@ fn what_contradicts_the_state_of_things_is_refused() {
     let running = server.submit(&job(long, 1));
     let run = server.only_run(&running).id;
     server.get(&format!("/v1/runs/{run}/result")).problem(409);
+    let retry = format!("/v1/jobs/{}/retry", running.id);
+    server.send("POST", &retry, &[], b"").problem(409);
+    let long_chapter = json!({
+        "base": { "epochs": 1_000_000, "arena": "easy" },
+        "matrix": { "controller.method": server.methods() }
+    });
+    let chapter = server.submit(&long_chapter);
+    server
+        .get(&format!("/v1/jobs/{}/report.html", chapter.id))
+        .problem(409);
+    let path = format!("/v1/jobs/{}", chapter.id);
+    assert_eq!(server.send("DELETE", &path, &[], b"").status, 204);
+    let no_chapter = format!("/v1/jobs/{}/report", running.id);
+    server.get(&no_chapter).problem(404);
     let done = server.wait_for(&server.submit(&job(small_spec(), 1)));
     server
         .send("POST", &format!("/v1/jobs/{}/cancel", done.id), &[], b"")
