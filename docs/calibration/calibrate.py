@@ -54,7 +54,7 @@ def jobs(plan, only):
                 "name": f"{candidate['name']}: {method}",
                 "base": base,
                 "matrix": matrix,
-                "seeds": plan["seeds"],
+                "seeds": candidate.get("seeds", plan["seeds"]),
             }
 
 
