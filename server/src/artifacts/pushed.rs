@@ -158,6 +158,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::artifacts::coverage_svg;
+    use crate::spec::testing::yard;
     use crate::spec::{BuiltinArenas, resolve};
     use swarm::run::Run;
 
@@ -166,14 +167,7 @@ mod tests {
         let spec = serde_json::json!({
             "engine": "rapier", "episodes": episodes, "robots": 4, "placement": "random",
             "controller": { "method": "brownian" }, "epochs": 3,
-            "arena": {
-                "name": "yard", "width_m": 0.6, "height_m": 0.6, "walls_m": [],
-                "starts": [{ "x_m": 0.1, "y_m": 0.1, "heading_rad": 0.8 }],
-                "objects": [
-                    { "kind": "box", "x_m": 0.2, "y_m": 0.2, "width_m": 0.06, "height_m": 0.04 },
-                    { "kind": "disc", "x_m": 0.35, "y_m": 0.3, "radius_m": 0.03 }
-                ]
-            }
+            "arena": yard()
         });
         let spec = resolve(&spec, &BuiltinArenas).unwrap();
         let mut run = Run::new(spec.run_spec()).unwrap();

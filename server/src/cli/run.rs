@@ -8,18 +8,16 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, anyhow};
 use signal_hook::consts::{SIGINT, SIGTERM};
-use swarm::run::{Outcome, Phase, Progress, RestoreError, Run};
+use swarm::run::{Outcome, Phase, RestoreError, Run};
 
 use super::checkpoint::{Checkpoint, Spent};
 use super::progress::Meter;
 use super::{Failure, output};
 use crate::artifacts::{self, Finished, Timing};
 use crate::channels::{ChannelSettings, Extent, FramePublisher};
+use crate::scheduler::{Block, Pace};
 use crate::spec::{self, BuiltinArenas, ResolvedRun};
 
-/// Wall time of a block of steps, after which progress is shown, frames are offered and signals are
-/// heard.
-const BLOCK: Duration = Duration::from_millis(10);
 /// Wall time between two checkpoints ...
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
 /// ... or, where that is more, so many times what the last one took.
@@ -155,7 +153,7 @@ pub(super) fn read(path: &Path) -> anyhow::Result<String> {
 ///
 /// # Errors
 /// It holds something else.
-pub(super) fn already_complete(out: &Path, spec: &ResolvedRun) -> anyhow::Result<bool> {
+fn already_complete(out: &Path, spec: &ResolvedRun) -> anyhow::Result<bool> {
     match artifacts::is_complete(out) {
         Some(written) if written == spec.canonical_json() => Ok(true),
         Some(_) => Err(anyhow!(
@@ -192,7 +190,7 @@ pub(super) fn stop_flag() -> anyhow::Result<Arc<AtomicBool>> {
 }
 
 /// The run from its checkpoint, or from the beginning.
-pub(super) fn start(spec: &ResolvedRun, checkpoint: &Checkpoint) -> Result<(Run, Spent), Failure> {
+fn start(spec: &ResolvedRun, checkpoint: &Checkpoint) -> Result<(Run, Spent), Failure> {
     if let Some(saved) = checkpoint.load() {
         match Run::restore(spec.run_spec(), &saved.snapshot) {
             Ok(run) => {
@@ -227,50 +225,6 @@ fn open_frames(spec: &ResolvedRun) -> Option<FramePublisher> {
     Some(frames)
 }
 
-/// How many steps to take at once and when to save, by the clock; no result depends on it.
-pub(super) struct Pace {
-    block_steps: u64,
-    saved_at: Instant,
-    save_every: Duration,
-}
-
-impl Pace {
-    pub(super) fn new() -> Self {
-        Self {
-            block_steps: 100,
-            saved_at: Instant::now(),
-            save_every: CHECKPOINT_EVERY,
-        }
-    }
-
-    /// Steps the run on for about [`BLOCK`].
-    pub(super) fn advance(&mut self, run: &mut Run) -> Progress {
-        let began = Instant::now();
-        let progress = run.advance(self.block_steps);
-        let pace = BLOCK.as_secs_f64() / began.elapsed().as_secs_f64().max(1e-9);
-        self.block_steps = ((self.block_steps as f64 * pace.clamp(0.25, 4.0)) as u64).max(1);
-        progress
-    }
-
-    /// Makes a checkpoint if the last one is old enough; one that cannot be made is a warning.
-    pub(super) fn save_if_due(
-        &mut self,
-        checkpoint: &Checkpoint,
-        run: &Run,
-        spent: impl FnOnce() -> Spent,
-    ) {
-        if self.saved_at.elapsed() < self.save_every {
-            return;
-        }
-        let began = Instant::now();
-        if let Err(error) = checkpoint.save(&run.snapshot(), spent()) {
-            tracing::warn!("no checkpoint: {error:#}");
-        }
-        self.save_every = CHECKPOINT_EVERY.max(began.elapsed() * CHECKPOINT_SHARE);
-        self.saved_at = Instant::now();
-    }
-}
-
 /// Steps the run to its end; `None` when stopped on the way, with a checkpoint made.
 fn finish(
     work: &mut Work,
@@ -284,7 +238,8 @@ fn finish(
         progress.robot_steps_total,
         progress.robot_steps_done,
     );
-    let mut pace = Pace::new();
+    let mut block = Block::default();
+    let mut checkpoints = Pace::new(CHECKPOINT_EVERY, CHECKPOINT_SHARE, CHECKPOINT_EVERY);
     let outcome = loop {
         if stop.load(Ordering::SeqCst) {
             meter.finish();
@@ -294,7 +249,7 @@ fn finish(
             checkpoint.save(&work.run.snapshot(), work.spent())?;
             return Ok(None);
         }
-        let progress = pace.advance(&mut work.run);
+        let progress = block.advance(&mut work.run);
         let what = format!(
             "{} {}/{}",
             progress.phase.name(),
@@ -311,7 +266,11 @@ fn finish(
             }
             break work.run.outcome();
         }
-        pace.save_if_due(checkpoint, &work.run, || work.spent());
+        checkpoints.when_due(|| {
+            if let Err(error) = checkpoint.save(&work.run.snapshot(), work.spent()) {
+                tracing::warn!("no checkpoint: {error:#}");
+            }
+        });
     };
     meter.finish();
     outcome

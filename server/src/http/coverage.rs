@@ -3,8 +3,10 @@
 use std::sync::Arc;
 
 use axum::body::Bytes;
-use axum::extract::{Path, State};
+use axum::extract::rejection::PathRejection;
+use axum::extract::{FromRequestParts, Path};
 use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE, ETAG, IF_NONE_MATCH};
+use axum::http::request::Parts;
 use axum::http::{HeaderMap, HeaderValue, StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
 use swarm::run::CurveRow;
@@ -28,41 +30,48 @@ const JSON: &str = "application/json";
 const CSV: &str = "text/csv; charset=utf-8";
 const NPY: &str = "application/octet-stream";
 
+/// What every route here is asked with.
+pub struct Asked {
+    app: App,
+    id: String,
+    headers: HeaderMap,
+}
+
+impl FromRequestParts<App> for Asked {
+    type Rejection = PathRejection;
+
+    async fn from_request_parts(parts: &mut Parts, app: &App) -> Result<Self, PathRejection> {
+        let Path(id) = Path::from_request_parts(parts, app).await?;
+        Ok(Self {
+            app: app.clone(),
+            id,
+            headers: parts.headers.clone(),
+        })
+    }
+}
+
 /// `GET /v1/runs/{id}/curve`: a row an epoch; with `points`, that many of them at most, evenly
 /// spread, the last always there.
-pub async fn curve(
-    State(app): State<App>,
-    Path(id): Path<String>,
-    headers: HeaderMap,
-    uri: Uri,
-) -> Result<Response, Refusal> {
+pub async fn curve(asked: Asked, uri: Uri) -> Result<Response, Refusal> {
     let points = number(&uri, "points", 2, MAX_POINTS)?;
     let points = points.and_then(|points| usize::try_from(points).ok());
-    show(app, id, headers, JSON, move |_, _, coverage| {
+    show(asked, JSON, move |_, _, coverage| {
         json(&thinned(&coverage.curve, points))
     })
     .await
 }
 
 /// `GET /v1/runs/{id}/curve.csv`.
-pub async fn curve_as_csv(
-    State(app): State<App>,
-    Path(id): Path<String>,
-    headers: HeaderMap,
-) -> Result<Response, Refusal> {
-    show(app, id, headers, CSV, |_, _, coverage| {
+pub async fn curve_as_csv(asked: Asked) -> Result<Response, Refusal> {
+    show(asked, CSV, |_, _, coverage| {
         Ok(curve_csv(&coverage.curve).into())
     })
     .await
 }
 
 /// `GET /v1/runs/{id}/metrics`.
-pub async fn metrics(
-    State(app): State<App>,
-    Path(id): Path<String>,
-    headers: HeaderMap,
-) -> Result<Response, Refusal> {
-    show(app, id, headers, JSON, |app, run, coverage| {
+pub async fn metrics(asked: Asked) -> Result<Response, Refusal> {
+    show(asked, JSON, |app, run, coverage| {
         let step_s = resolved(app, run)?.step_s();
         json(&metrics_json(&coverage.metrics, step_s))
     })
@@ -70,12 +79,8 @@ pub async fn metrics(
 }
 
 /// `GET /v1/runs/{id}/metrics.csv`.
-pub async fn metrics_as_csv(
-    State(app): State<App>,
-    Path(id): Path<String>,
-    headers: HeaderMap,
-) -> Result<Response, Refusal> {
-    show(app, id, headers, CSV, |app, run, coverage| {
+pub async fn metrics_as_csv(asked: Asked) -> Result<Response, Refusal> {
+    show(asked, CSV, |app, run, coverage| {
         let step_s = resolved(app, run)?.step_s();
         Ok(metrics_csv(&coverage.metrics, step_s).into())
     })
@@ -83,12 +88,8 @@ pub async fn metrics_as_csv(
 }
 
 /// `GET /v1/runs/{id}/objects`: movable objects over time.
-pub async fn objects(
-    State(app): State<App>,
-    Path(id): Path<String>,
-    headers: HeaderMap,
-) -> Result<Response, Refusal> {
-    show(app, id, headers, JSON, |app, run, coverage| {
+pub async fn objects(asked: Asked) -> Result<Response, Refusal> {
+    show(asked, JSON, |app, run, coverage| {
         let spec = resolved(app, run)?;
         json(&objects_json(spec.arena(), &coverage.tracks, spec.step_s()))
     })
@@ -96,36 +97,24 @@ pub async fn objects(
 }
 
 /// `GET /v1/runs/{id}/objects.csv`.
-pub async fn objects_as_csv(
-    State(app): State<App>,
-    Path(id): Path<String>,
-    headers: HeaderMap,
-) -> Result<Response, Refusal> {
-    show(app, id, headers, CSV, |_, _, coverage| {
+pub async fn objects_as_csv(asked: Asked) -> Result<Response, Refusal> {
+    show(asked, CSV, |_, _, coverage| {
         Ok(objects_csv(&coverage.tracks).into())
     })
     .await
 }
 
 /// `GET /v1/runs/{id}/robots.csv`: what each robot did.
-pub async fn robots_as_csv(
-    State(app): State<App>,
-    Path(id): Path<String>,
-    headers: HeaderMap,
-) -> Result<Response, Refusal> {
-    show(app, id, headers, CSV, |_, _, coverage| {
+pub async fn robots_as_csv(asked: Asked) -> Result<Response, Refusal> {
+    show(asked, CSV, |_, _, coverage| {
         Ok(robots_csv(&coverage.metrics).into())
     })
     .await
 }
 
 /// `GET /v1/runs/{id}/coverage`.
-pub async fn visits_as_json(
-    State(app): State<App>,
-    Path(id): Path<String>,
-    headers: HeaderMap,
-) -> Result<Response, Refusal> {
-    show(app, id, headers, JSON, |app, run, coverage| {
+pub async fn visits_as_json(asked: Asked) -> Result<Response, Refusal> {
+    show(asked, JSON, |app, run, coverage| {
         let grid = Grid::new(app, run, &coverage.visits)?;
         let mask = grid.mask(app).unwrap_or_default();
         json(&coverage_json(grid.spec.arena(), &grid.counts, &mask))
@@ -134,12 +123,8 @@ pub async fn visits_as_json(
 }
 
 /// `GET /v1/runs/{id}/coverage.csv`.
-pub async fn visits_as_csv(
-    State(app): State<App>,
-    Path(id): Path<String>,
-    headers: HeaderMap,
-) -> Result<Response, Refusal> {
-    show(app, id, headers, CSV, |app, run, coverage| {
+pub async fn visits_as_csv(asked: Asked) -> Result<Response, Refusal> {
+    show(asked, CSV, |app, run, coverage| {
         let grid = Grid::new(app, run, &coverage.visits)?;
         Ok(coverage_csv(&grid.counts, grid.spec.arena().squares()[0]).into())
     })
@@ -147,36 +132,24 @@ pub async fn visits_as_csv(
 }
 
 /// `GET /v1/runs/{id}/coverage.npy`.
-pub async fn visits_as_npy(
-    State(app): State<App>,
-    Path(id): Path<String>,
-    headers: HeaderMap,
-) -> Result<Response, Refusal> {
-    show(app, id, headers, NPY, |app, run, coverage| {
+pub async fn visits_as_npy(asked: Asked) -> Result<Response, Refusal> {
+    show(asked, NPY, |app, run, coverage| {
         Ok(Grid::new(app, run, &coverage.visits)?.npy())
     })
     .await
 }
 
 /// `GET /v1/runs/{id}/dwell.npy`: steps spent a square.
-pub async fn dwell_as_npy(
-    State(app): State<App>,
-    Path(id): Path<String>,
-    headers: HeaderMap,
-) -> Result<Response, Refusal> {
-    show(app, id, headers, NPY, |app, run, coverage| {
+pub async fn dwell_as_npy(asked: Asked) -> Result<Response, Refusal> {
+    show(asked, NPY, |app, run, coverage| {
         Ok(Grid::new(app, run, &coverage.dwell)?.npy())
     })
     .await
 }
 
 /// `GET /v1/runs/{id}/coverage.png`.
-pub async fn visits_as_png(
-    State(app): State<App>,
-    Path(id): Path<String>,
-    headers: HeaderMap,
-) -> Result<Response, Refusal> {
-    show(app, id, headers, "image/png", |app, run, coverage| {
+pub async fn visits_as_png(asked: Asked) -> Result<Response, Refusal> {
+    show(asked, "image/png", |app, run, coverage| {
         let grid = Grid::new(app, run, &coverage.visits)?;
         let objects = pushed(&grid.spec, &coverage.tracks);
         Ok(app.pictures.png(&run.id, &grid.counts, &objects, || {
@@ -188,12 +161,8 @@ pub async fn visits_as_png(
 }
 
 /// `GET /v1/runs/{id}/coverage.svg`.
-pub async fn visits_as_svg(
-    State(app): State<App>,
-    Path(id): Path<String>,
-    headers: HeaderMap,
-) -> Result<Response, Refusal> {
-    show(app, id, headers, "image/svg+xml", |app, run, coverage| {
+pub async fn visits_as_svg(asked: Asked) -> Result<Response, Refusal> {
+    show(asked, "image/svg+xml", |app, run, coverage| {
         let grid = Grid::new(app, run, &coverage.visits)?;
         let (mask, objects) = (grid.mask(app), pushed(&grid.spec, &coverage.tracks));
         let svg = coverage_svg(grid.spec.arena(), &grid.counts, mask.as_deref(), &objects);
@@ -232,9 +201,7 @@ impl Grid {
 
 /// Answers with what a run has covered at this moment, or with 304 when the client has that.
 async fn show(
-    app: App,
-    id: String,
-    headers: HeaderMap,
+    Asked { app, id, headers }: Asked,
     media_type: &'static str,
     render: impl FnOnce(&App, &RunView, &Coverage) -> Result<Bytes, Refusal> + Send + 'static,
 ) -> Result<Response, Refusal> {

@@ -4,7 +4,7 @@ use api::{JobPage, RunPage};
 use axum::Json;
 use axum::body::Bytes;
 use axum::extract::{FromRequest, Path, Request, State};
-use axum::http::header::LOCATION;
+use axum::http::header::{CONTENT_TYPE, LOCATION};
 use axum::http::{StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
 
@@ -164,6 +164,21 @@ async fn want(app: App, id: String, intent: Intent) -> Result<Json<api::Job>, Re
             app.scheduler.set_intent(seq, intent)?;
         }
         Ok(Json(views::job(&found(app, seq)?, &app.scheduler)))
+    })
+    .await
+}
+
+/// Answers with a text that is made of a job.
+pub async fn text(
+    app: App,
+    id: String,
+    media_type: &'static str,
+    make: impl FnOnce(&App, JobSeq) -> Result<String, Refusal> + Send + 'static,
+) -> Result<Response, Refusal> {
+    let seq = job_seq(&id)?;
+    app.blocking(move |app| {
+        let body = make(app, seq)?;
+        Ok(([(CONTENT_TYPE, media_type)], body).into_response())
     })
     .await
 }

@@ -4,51 +4,42 @@ use std::sync::Arc;
 
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
-use axum::http::header::CONTENT_TYPE;
-use axum::response::{IntoResponse, Response};
+use axum::response::Response;
 
 use super::App;
-use super::jobs::{found, job_seq};
+use super::jobs::{found, text};
 use super::refusal::Refusal;
 use crate::reproduce::{Plan, Report};
 use crate::store::JobSeq;
 
 /// `GET /v1/jobs/{id}/report`: the claims with their tests.
 pub async fn claims(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Refusal> {
-    text(app, id, "application/json", |report| &report.claims_json).await
+    text(app, id, "application/json", |app, job| {
+        Ok(of_job(app, job)?.claims_json.clone())
+    })
+    .await
 }
 
 /// `GET /v1/jobs/{id}/report.html`: all of it, one page.
 pub async fn html(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Refusal> {
-    text(app, id, "text/html; charset=utf-8", |report| &report.html).await
+    text(app, id, "text/html; charset=utf-8", |app, job| {
+        Ok(of_job(app, job)?.html.clone())
+    })
+    .await
 }
 
 /// `GET /v1/jobs/{id}/report.md`.
 pub async fn markdown(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Refusal> {
-    text(app, id, "text/markdown; charset=utf-8", |report| {
-        &report.markdown
+    text(app, id, "text/markdown; charset=utf-8", |app, job| {
+        Ok(of_job(app, job)?.markdown.clone())
     })
     .await
 }
 
 /// `GET /v1/jobs/{id}/report.csv`: one line a run.
 pub async fn csv(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Refusal> {
-    text(app, id, "text/csv; charset=utf-8", |report| {
-        &report.runs_csv
-    })
-    .await
-}
-
-async fn text(
-    app: App,
-    id: String,
-    media_type: &'static str,
-    part: fn(&Report) -> &String,
-) -> Result<Response, Refusal> {
-    let seq = job_seq(&id)?;
-    app.blocking(move |app| {
-        let report = of_job(app, seq)?;
-        Ok(([(CONTENT_TYPE, media_type)], part(&report).clone()).into_response())
+    text(app, id, "text/csv; charset=utf-8", |app, job| {
+        Ok(of_job(app, job)?.runs_csv.clone())
     })
     .await
 }

@@ -3,12 +3,11 @@
 use api::{JobSummary, State as RunStateName};
 use axum::Json;
 use axum::extract::{Path, State};
-use axum::http::header::CONTENT_TYPE;
-use axum::response::{IntoResponse, Response};
+use axum::response::Response;
 use serde_json::Value;
 
 use super::App;
-use super::jobs::{found, job_seq};
+use super::jobs::{found, job_seq, text};
 use super::refusal::Refusal;
 use crate::spec::Design;
 use crate::store::{JobSeq, RunView};
@@ -25,7 +24,10 @@ pub async fn as_json(
 
 /// `GET /v1/jobs/{id}/summary.csv`.
 pub async fn as_csv(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Refusal> {
-    text(app, id, "text/csv; charset=utf-8", csv).await
+    text(app, id, "text/csv; charset=utf-8", |app, job| {
+        Ok(csv(&of_job(app, job)?))
+    })
+    .await
 }
 
 /// `GET /v1/jobs/{id}/summary.md`.
@@ -33,19 +35,8 @@ pub async fn as_markdown(
     State(app): State<App>,
     Path(id): Path<String>,
 ) -> Result<Response, Refusal> {
-    text(app, id, "text/markdown; charset=utf-8", markdown).await
-}
-
-async fn text(
-    app: App,
-    id: String,
-    media_type: &'static str,
-    render: fn(&JobSummary) -> String,
-) -> Result<Response, Refusal> {
-    let seq = job_seq(&id)?;
-    app.blocking(move |app| {
-        let body = render(&of_job(app, seq)?);
-        Ok(([(CONTENT_TYPE, media_type)], body).into_response())
+    text(app, id, "text/markdown; charset=utf-8", |app, job| {
+        Ok(markdown(&of_job(app, job)?))
     })
     .await
 }

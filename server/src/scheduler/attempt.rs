@@ -8,6 +8,7 @@ use api::FieldError;
 use swarm::run::{Phase, Progress, Run};
 
 use super::SchedulerConfig;
+use super::block::Block;
 use super::live::{LiveRun, Speed, View, coverage_of};
 use super::pace::Pace;
 use crate::artifacts::{run_result, thread_cpu_s};
@@ -15,8 +16,6 @@ use crate::channels::{Extent, FramePublisher};
 use crate::spec::{ResolvedRun, parse, resolve};
 use crate::store::{Checkpoint, ClaimedRun, Finished, Position, Store};
 
-/// How long a block of steps should take: short enough for frames and for a prompt stop.
-const BLOCK: Duration = Duration::from_millis(10);
 /// Least time between two views of a run, and the rest after one in multiples of what it took.
 const VIEW: (Duration, u32) = (Duration::from_millis(200), 200);
 /// The same for checkpoints.
@@ -84,11 +83,10 @@ pub fn attempt(
     if let Some(frames) = &mut frames {
         frames.offer_now(&run);
     }
-    if progress.robot_steps_done > done_before {
-        let steps = progress.robot_steps_done - done_before;
+    let steps = progress.robot_steps_done - done_before;
+    if steps > 0 {
         live.set_pace(steps as f64 / start.elapsed().as_secs_f64().max(1e-9));
     }
-    let steps = progress.robot_steps_done - done_before;
     match run.outcome() {
         Some(outcome) => {
             let result = run_result(&outcome);
@@ -180,57 +178,4 @@ fn too_much_memory(bytes: u64, most: u64) -> String {
 fn spec_failure(errors: Vec<FieldError>) -> String {
     let errors: Vec<String> = errors.iter().map(ToString::to_string).collect();
     format!("the spec cannot be run: {}", errors.join("; "))
-}
-
-/// A number of steps that is kept at about [`BLOCK`] of wall time.
-#[derive(Debug)]
-struct Block {
-    steps: u64,
-}
-
-impl Default for Block {
-    fn default() -> Self {
-        Self { steps: 1 }
-    }
-}
-
-impl Block {
-    fn advance(&mut self, run: &mut Run) -> Progress {
-        let start = Instant::now();
-        let progress = run.advance(self.steps);
-        self.resize(start.elapsed());
-        progress
-    }
-
-    /// At most doubles or halves, so that one odd block does not lead to a long one.
-    fn resize(&mut self, took: Duration) {
-        let factor = BLOCK.as_secs_f64() / took.as_secs_f64().max(1e-9);
-        self.steps = ((self.steps as f64 * factor.clamp(0.5, 2.0)) as u64).max(1);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn blocks_settle_at_their_time() {
-        for step in [
-            Duration::from_nanos(150),
-            Duration::from_micros(40),
-            Duration::from_secs(1),
-        ] {
-            let mut block = Block::default();
-            for _ in 0..60 {
-                block.resize(step * u32::try_from(block.steps).unwrap_or(u32::MAX));
-            }
-            let wanted = (BLOCK.as_secs_f64() / step.as_secs_f64()).max(1.0);
-            let ratio = block.steps as f64 / wanted;
-            assert!(
-                (0.5..=2.0).contains(&ratio),
-                "{step:?}: {} steps",
-                block.steps
-            );
-        }
-    }
 }

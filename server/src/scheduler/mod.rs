@@ -4,6 +4,7 @@
 
 mod arenas;
 mod attempt;
+mod block;
 mod live;
 mod pace;
 mod progress;
@@ -27,8 +28,10 @@ use crate::store::{
 };
 pub use arenas::StoredArenas;
 use attempt::Ended;
+pub use block::Block;
 use live::LiveRun;
 pub use live::View;
+pub use pace::Pace;
 pub use progress::share;
 use queue::FairQueue;
 pub use submission::new_job;

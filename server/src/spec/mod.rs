@@ -51,4 +51,4 @@ mod expand_tests;
 #[cfg(test)]
 mod resolve_tests;
 #[cfg(test)]
-mod testing;
+pub(crate) mod testing;

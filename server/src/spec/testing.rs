@@ -12,6 +12,18 @@ pub fn resolved(spec: Value) -> ResolvedRun {
     resolve(&spec, &BuiltinArenas).unwrap_or_else(|errors| panic!("{spec}: {errors:?}"))
 }
 
+/// An arena with a box and a disc to push.
+pub fn yard() -> Value {
+    json!({
+        "name": "yard", "width_m": 0.6, "height_m": 0.6, "walls_m": [],
+        "starts": [{ "x_m": 0.1, "y_m": 0.1, "heading_rad": 0.8 }],
+        "objects": [
+            { "kind": "box", "x_m": 0.2, "y_m": 0.2, "width_m": 0.06, "height_m": 0.04 },
+            { "kind": "disc", "x_m": 0.35, "y_m": 0.3, "radius_m": 0.03 }
+        ]
+    })
+}
+
 /// The document is refused with an error at `pointer` whose message and hint contain `words`.
 pub fn refused(outcome: Result<(), Vec<FieldError>>, pointer: &str, words: &str) {
     let errors = outcome

@@ -1,18 +1,12 @@
 //! Movable objects over time, as a client sees them while a run goes on and after.
 
 use super::*;
+use crate::spec::testing::yard;
 
 fn pushing(epochs: u32) -> Value {
     json!({
         "base": {
-            "arena": {
-                "name": "yard", "width_m": 0.6, "height_m": 0.6, "walls_m": [],
-                "starts": [{ "x_m": 0.1, "y_m": 0.1, "heading_rad": 0.8 }],
-                "objects": [
-                    { "kind": "box", "x_m": 0.2, "y_m": 0.2, "width_m": 0.06, "height_m": 0.04 },
-                    { "kind": "disc", "x_m": 0.35, "y_m": 0.3, "radius_m": 0.03 }
-                ]
-            },
+            "arena": yard(),
             "controller": { "method": "brownian" }, "engine": "rapier", "episodes": "continue",
             "robots": 4, "placement": "random", "epochs": epochs, "steps_per_epoch": 2_000,
         },
