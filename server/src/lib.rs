@@ -5,10 +5,10 @@
 pub mod artifacts;
 pub mod channels;
 pub mod cli;
+pub mod documents;
 pub mod http;
 pub mod reproduce;
 pub mod scheduler;
-pub mod spec;
 mod statistics;
 pub mod store;
 pub mod summary;

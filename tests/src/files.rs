@@ -5,6 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use api::RunResult;
+use sha2::{Digest, Sha256};
 
 use crate::http::Client;
 
@@ -101,5 +102,13 @@ pub fn npy(bytes: &[u8], squares: usize) -> Vec<u32> {
     assert_eq!(data.len(), 4 * squares * squares);
     data.chunks_exact(4)
         .map(|chunk| u32::from_le_bytes(chunk.try_into().unwrap()))
+        .collect()
+}
+
+/// SHA-256 of a file, in hex.
+pub fn sha256_of(path: &Path) -> String {
+    Sha256::digest(fs::read(path).unwrap())
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
         .collect()
 }

@@ -11,7 +11,7 @@ use super::timing::Timing;
 use super::{
     coverage_png, curve_csv, metrics_csv, objects_csv, pushed, robots_csv, run_result, visits_npy,
 };
-use crate::spec::ResolvedRun;
+use crate::documents::ResolvedRun;
 
 /// A finished run.
 #[derive(Clone, Copy, Debug)]

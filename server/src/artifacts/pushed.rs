@@ -7,7 +7,7 @@ use swarm::world::ObjectPose;
 
 use super::palette::{Colour, OBJECT, OBJECT_START, WHITE};
 use super::scene::Item;
-use crate::spec::ResolvedRun;
+use crate::documents::ResolvedRun;
 
 const SIDES_OF_A_DISC: u32 = 24;
 
@@ -158,8 +158,8 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::artifacts::coverage_svg;
-    use crate::spec::testing::yard;
-    use crate::spec::{BuiltinArenas, resolve};
+    use crate::documents::testing::yard;
+    use crate::documents::{BuiltinArenas, resolve};
     use swarm::run::Run;
 
     /// What is drawn after three epochs of 2,000 steps, and the run.

@@ -10,7 +10,7 @@ use swarm::run::{CurveRow, MetricsLog, ObjectOutcome, Outcome, RobotMemory, Trac
 use swarm::world::ObjectPose;
 
 use super::*;
-use crate::spec::{self, BuiltinArenas, ResolvedRun};
+use crate::documents::{self, BuiltinArenas, ResolvedRun};
 
 const SQUARES: u32 = 10;
 
@@ -20,7 +20,7 @@ fn run() -> ResolvedRun {
         "walls_m": [[0.3, 0.0, 0.3, 0.25]],
         "starts": [{ "x_m": 0.1, "y_m": 0.1, "heading_rad": 0.5 }]
     } });
-    spec::resolve(&spec, &BuiltinArenas).unwrap()
+    documents::resolve(&spec, &BuiltinArenas).unwrap()
 }
 
 /// Visits of 0 to 12, row by row, and a mask without the outermost squares.

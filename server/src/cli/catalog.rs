@@ -9,7 +9,7 @@ use clap::Subcommand;
 use swarm::robot::RobotParameters;
 
 use super::{Failure, output};
-use crate::spec::{self, ArenaSource, BuiltinArenas};
+use crate::documents::{self, ArenaSource, BuiltinArenas};
 
 #[derive(Debug, Subcommand)]
 pub enum ArenasCommand {
@@ -88,7 +88,7 @@ fn load(file: &Path) -> Result<Arena, Failure> {
 }
 
 fn wrong(errors: Vec<arenas::ArenaError>) -> Failure {
-    Failure::WrongSpec(errors.into_iter().map(spec::arena_error).collect())
+    Failure::WrongSpec(errors.into_iter().map(documents::arena_error).collect())
 }
 
 /// Radius of the default robot.
@@ -112,7 +112,7 @@ fn described(arena: &Arena) -> String {
 }
 
 pub fn controllers(json: bool) -> Result<(), Failure> {
-    let listing = spec::controllers();
+    let listing = documents::controllers();
     if json {
         return output::say(serde_json::to_string_pretty(&listing)?);
     }

@@ -69,7 +69,7 @@ pub struct CancelArguments {
 
 pub fn submit(arguments: &SubmitArguments) -> Result<(), Failure> {
     let text = super::run::read(&arguments.job)?;
-    let job = crate::spec::parse(&text).map_err(Failure::WrongSpec)?;
+    let job = crate::documents::parse(&text).map_err(Failure::WrongSpec)?;
     let client = Client::new(&arguments.server);
     let job: Job = client.post("/v1/jobs", Some(&job))?;
     output::say(line(&job))?;

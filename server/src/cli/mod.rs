@@ -13,6 +13,7 @@ use std::io::IsTerminal;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::LazyLock;
 
 use api::FieldError;
 use clap::{CommandFactory, Parser, Subcommand};
@@ -24,9 +25,15 @@ const EXIT_FAILED: u8 = 1;
 /// Exit code of a wrong spec.
 const EXIT_WRONG_SPEC: u8 = 2;
 
+/// As `evswarm --version` says it.
+static VERSION: LazyLock<String> = LazyLock::new(|| {
+    let results = swarm::RESULTS_VERSION;
+    format!("{} (results {results})", env!("CARGO_PKG_VERSION"))
+});
+
 /// Multi-robot swarm simulation: run experiments, serve them, watch them.
 #[derive(Debug, Parser)]
-#[command(name = "evswarm", version, propagate_version = true)]
+#[command(name = "evswarm", version = VERSION.as_str(), propagate_version = true)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,

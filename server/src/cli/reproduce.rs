@@ -16,9 +16,9 @@ use super::run::stop_flag;
 use super::{Failure, output};
 use crate::artifacts;
 use crate::channels::ChannelSettings;
+use crate::documents::ExpandedJob;
 use crate::reproduce::{Plan, Report, Settings, replace};
 use crate::scheduler::{Scheduler, SchedulerConfig, new_job, run_memory_bytes};
-use crate::spec::ExpandedJob;
 use crate::store::{Created, Intent, JobRequest, JobSeq, JobView, RunState, Store};
 
 /// Time between two looks at how far the job is.
@@ -287,7 +287,7 @@ mod tests {
         let mut run = swarm::run::Run::new(half.run_spec()).unwrap();
         run.advance(33);
         let checkpoint = Checkpoint {
-            coverage: Default::default(),
+            findings: Default::default(),
             snapshot: run.snapshot(),
         };
         store.checkpoints().write(&half.key(), &checkpoint).unwrap();

@@ -15,8 +15,8 @@ use super::progress::Meter;
 use super::{Failure, output};
 use crate::artifacts::{self, Finished, Timing};
 use crate::channels::{ChannelSettings, Extent, FramePublisher};
+use crate::documents::{self, BuiltinArenas, ResolvedRun};
 use crate::scheduler::{Block, Pace};
-use crate::spec::{self, BuiltinArenas, ResolvedRun};
 
 /// Wall time between two checkpoints ...
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
@@ -37,8 +37,8 @@ pub struct RunArguments {
 
 pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let text = read(&arguments.spec)?;
-    let spec = spec::parse(&text)
-        .and_then(|value| spec::resolve(&value, &BuiltinArenas))
+    let spec = documents::parse(&text)
+        .and_then(|value| documents::resolve(&value, &BuiltinArenas))
         .map_err(Failure::WrongSpec)?;
     let out = &arguments.out;
     if already_complete(out, &spec)? {
@@ -211,7 +211,7 @@ fn start(spec: &ResolvedRun, checkpoint: &Checkpoint) -> Result<(Run, Spent), Fa
 }
 
 fn wrong(errors: Vec<swarm::spec::FieldError>) -> Failure {
-    Failure::WrongSpec(errors.into_iter().map(spec::field_error).collect())
+    Failure::WrongSpec(errors.into_iter().map(documents::field_error).collect())
 }
 
 /// The run's frames for local programs, if its spec asks for them.

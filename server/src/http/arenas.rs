@@ -14,8 +14,8 @@ use serde_json::json;
 use super::App;
 use super::refusal::Refusal;
 use super::request::{json_body, parse};
+use crate::documents::{ArenaSource, BuiltinArenas};
 use crate::scheduler::StoredArenas;
-use crate::spec::{ArenaSource, BuiltinArenas};
 use crate::store::{ArenaDeletion, StoredArena};
 
 /// Most arenas that are kept.

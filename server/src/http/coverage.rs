@@ -19,9 +19,9 @@ use crate::artifacts::{
     coverage_csv, coverage_json, coverage_png, coverage_svg, curve_csv, metrics_csv, metrics_json,
     objects_csv, objects_json, pushed, robots_csv, visits_npy,
 };
+use crate::documents::ResolvedRun;
 use crate::scheduler::View;
-use crate::spec::ResolvedRun;
-use crate::store::{Coverage, RunState, RunView};
+use crate::store::{Findings, RunState, RunView};
 
 /// Most rows that a thinned curve may have.
 const MAX_POINTS: i64 = 10_000;
@@ -55,67 +55,67 @@ impl FromRequestParts<App> for Asked {
 pub async fn curve(asked: Asked, uri: Uri) -> Result<Response, Refusal> {
     let points = number(&uri, "points", 2, MAX_POINTS)?;
     let points = points.and_then(|points| usize::try_from(points).ok());
-    show(asked, JSON, move |_, _, coverage| {
-        json(&thinned(&coverage.curve, points))
+    show(asked, JSON, move |_, _, findings| {
+        json(&thinned(&findings.curve, points))
     })
     .await
 }
 
 /// `GET /v1/runs/{id}/curve.csv`.
 pub async fn curve_as_csv(asked: Asked) -> Result<Response, Refusal> {
-    show(asked, CSV, |_, _, coverage| {
-        Ok(curve_csv(&coverage.curve).into())
+    show(asked, CSV, |_, _, findings| {
+        Ok(curve_csv(&findings.curve).into())
     })
     .await
 }
 
 /// `GET /v1/runs/{id}/metrics`.
 pub async fn metrics(asked: Asked) -> Result<Response, Refusal> {
-    show(asked, JSON, |app, run, coverage| {
+    show(asked, JSON, |app, run, findings| {
         let step_s = resolved(app, run)?.step_s();
-        json(&metrics_json(&coverage.metrics, step_s))
+        json(&metrics_json(&findings.metrics, step_s))
     })
     .await
 }
 
 /// `GET /v1/runs/{id}/metrics.csv`.
 pub async fn metrics_as_csv(asked: Asked) -> Result<Response, Refusal> {
-    show(asked, CSV, |app, run, coverage| {
+    show(asked, CSV, |app, run, findings| {
         let step_s = resolved(app, run)?.step_s();
-        Ok(metrics_csv(&coverage.metrics, step_s).into())
+        Ok(metrics_csv(&findings.metrics, step_s).into())
     })
     .await
 }
 
 /// `GET /v1/runs/{id}/objects`: movable objects over time.
 pub async fn objects(asked: Asked) -> Result<Response, Refusal> {
-    show(asked, JSON, |app, run, coverage| {
+    show(asked, JSON, |app, run, findings| {
         let spec = resolved(app, run)?;
-        json(&objects_json(spec.arena(), &coverage.tracks, spec.step_s()))
+        json(&objects_json(spec.arena(), &findings.tracks, spec.step_s()))
     })
     .await
 }
 
 /// `GET /v1/runs/{id}/objects.csv`.
 pub async fn objects_as_csv(asked: Asked) -> Result<Response, Refusal> {
-    show(asked, CSV, |_, _, coverage| {
-        Ok(objects_csv(&coverage.tracks).into())
+    show(asked, CSV, |_, _, findings| {
+        Ok(objects_csv(&findings.tracks).into())
     })
     .await
 }
 
 /// `GET /v1/runs/{id}/robots.csv`: what each robot did.
 pub async fn robots_as_csv(asked: Asked) -> Result<Response, Refusal> {
-    show(asked, CSV, |_, _, coverage| {
-        Ok(robots_csv(&coverage.metrics).into())
+    show(asked, CSV, |_, _, findings| {
+        Ok(robots_csv(&findings.metrics).into())
     })
     .await
 }
 
 /// `GET /v1/runs/{id}/coverage`.
 pub async fn visits_as_json(asked: Asked) -> Result<Response, Refusal> {
-    show(asked, JSON, |app, run, coverage| {
-        let grid = Grid::new(app, run, &coverage.visits)?;
+    show(asked, JSON, |app, run, findings| {
+        let grid = Grid::new(app, run, &findings.visits)?;
         let mask = grid.mask(app).unwrap_or_default();
         json(&coverage_json(grid.spec.arena(), &grid.counts, &mask))
     })
@@ -124,8 +124,8 @@ pub async fn visits_as_json(asked: Asked) -> Result<Response, Refusal> {
 
 /// `GET /v1/runs/{id}/coverage.csv`.
 pub async fn visits_as_csv(asked: Asked) -> Result<Response, Refusal> {
-    show(asked, CSV, |app, run, coverage| {
-        let grid = Grid::new(app, run, &coverage.visits)?;
+    show(asked, CSV, |app, run, findings| {
+        let grid = Grid::new(app, run, &findings.visits)?;
         Ok(coverage_csv(&grid.counts, grid.spec.arena().squares()[0]).into())
     })
     .await
@@ -133,25 +133,25 @@ pub async fn visits_as_csv(asked: Asked) -> Result<Response, Refusal> {
 
 /// `GET /v1/runs/{id}/coverage.npy`.
 pub async fn visits_as_npy(asked: Asked) -> Result<Response, Refusal> {
-    show(asked, NPY, |app, run, coverage| {
-        Ok(Grid::new(app, run, &coverage.visits)?.npy())
+    show(asked, NPY, |app, run, findings| {
+        Ok(Grid::new(app, run, &findings.visits)?.npy())
     })
     .await
 }
 
 /// `GET /v1/runs/{id}/dwell.npy`: steps spent a square.
 pub async fn dwell_as_npy(asked: Asked) -> Result<Response, Refusal> {
-    show(asked, NPY, |app, run, coverage| {
-        Ok(Grid::new(app, run, &coverage.dwell)?.npy())
+    show(asked, NPY, |app, run, findings| {
+        Ok(Grid::new(app, run, &findings.dwell)?.npy())
     })
     .await
 }
 
 /// `GET /v1/runs/{id}/coverage.png`.
 pub async fn visits_as_png(asked: Asked) -> Result<Response, Refusal> {
-    show(asked, "image/png", |app, run, coverage| {
-        let grid = Grid::new(app, run, &coverage.visits)?;
-        let objects = pushed(&grid.spec, &coverage.tracks);
+    show(asked, "image/png", |app, run, findings| {
+        let grid = Grid::new(app, run, &findings.visits)?;
+        let objects = pushed(&grid.spec, &findings.tracks);
         Ok(app.pictures.png(&run.id, &grid.counts, &objects, || {
             let mask = grid.mask(app);
             coverage_png(grid.spec.arena(), &grid.counts, mask.as_deref(), &objects)
@@ -162,9 +162,9 @@ pub async fn visits_as_png(asked: Asked) -> Result<Response, Refusal> {
 
 /// `GET /v1/runs/{id}/coverage.svg`.
 pub async fn visits_as_svg(asked: Asked) -> Result<Response, Refusal> {
-    show(asked, "image/svg+xml", |app, run, coverage| {
-        let grid = Grid::new(app, run, &coverage.visits)?;
-        let (mask, objects) = (grid.mask(app), pushed(&grid.spec, &coverage.tracks));
+    show(asked, "image/svg+xml", |app, run, findings| {
+        let grid = Grid::new(app, run, &findings.visits)?;
+        let (mask, objects) = (grid.mask(app), pushed(&grid.spec, &findings.tracks));
         let svg = coverage_svg(grid.spec.arena(), &grid.counts, mask.as_deref(), &objects);
         Ok(svg.into())
     })
@@ -203,7 +203,7 @@ impl Grid {
 async fn show(
     Asked { app, id, headers }: Asked,
     media_type: &'static str,
-    render: impl FnOnce(&App, &RunView, &Coverage) -> Result<Bytes, Refusal> + Send + 'static,
+    render: impl FnOnce(&App, &RunView, &Findings) -> Result<Bytes, Refusal> + Send + 'static,
 ) -> Result<Response, Refusal> {
     app.blocking(move |app| {
         let run = found(app, &id)?;
@@ -222,7 +222,7 @@ async fn show(
             }
         }
         let body = match &live {
-            Some(live) => render(app, &run, &live.coverage)?,
+            Some(live) => render(app, &run, &live.findings)?,
             None => render(app, &run, &stored(app, &run)?)?,
         };
         Ok((caching, [(CONTENT_TYPE, media_type)], body).into_response())
@@ -250,7 +250,7 @@ fn tag(run: &RunView, live: Option<&View>) -> Option<String> {
 }
 
 /// What a run that no worker holds has covered; nothing when it has not started.
-fn stored(app: &App, run: &RunView) -> Result<Coverage, Refusal> {
+fn stored(app: &App, run: &RunView) -> Result<Findings, Refusal> {
     if matches!(run.state, RunState::Failed { .. } | RunState::Cancelled) {
         let state = run.state.state();
         return Err(Refusal::conflict(format!(
@@ -258,14 +258,14 @@ fn stored(app: &App, run: &RunView) -> Result<Coverage, Refusal> {
         )));
     }
     // A run that has ended since it was looked up is found here too.
-    if let Some(coverage) = app.store.coverage(run.seq)? {
-        return Ok(coverage);
+    if let Some(findings) = app.store.findings(run.seq)? {
+        return Ok(findings);
     }
-    match app.store.checkpoints().coverage(&run.id) {
-        Ok(coverage) => Ok(coverage.unwrap_or_default()),
+    match app.store.checkpoints().findings(&run.id) {
+        Ok(findings) => Ok(findings.unwrap_or_default()),
         Err(error) => {
-            tracing::warn!(run = run.id, %error, "the coverage of a stopped run cannot be read");
-            Ok(Coverage::default())
+            tracing::warn!(run = run.id, %error, "the findings of a stopped run cannot be read");
+            Ok(Findings::default())
         }
     }
 }

@@ -12,8 +12,8 @@ use super::guard::TIMEOUT;
 use super::refusal::Refusal;
 use super::request::{idempotency_key, json_body, page, parse};
 use super::{App, views};
+use crate::documents::{expand, run_count};
 use crate::scheduler::{StoredArenas, new_job};
-use crate::spec::{expand, run_count};
 use crate::store::{Created, Intent, JobRequest, JobSeq, JobView};
 
 /// `POST /v1/jobs`.

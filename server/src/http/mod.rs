@@ -98,11 +98,11 @@ fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, token: Option<&str>) -> 
         .route("/arenas/{name}", get(arenas::show).delete(arenas::delete))
         .route(
             "/controllers",
-            get(async || Json(crate::spec::controllers())),
+            get(async || Json(crate::documents::controllers())),
         )
         .route(
             "/templates",
-            get(async || Json(json!({ "items": crate::spec::templates() }))),
+            get(async || Json(json!({ "items": crate::documents::templates() }))),
         );
     Router::new()
         .route("/", get(page::html))

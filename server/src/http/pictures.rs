@@ -111,7 +111,7 @@ fn lock<K, V>(cache: &Mutex<LruCache<K, V>>) -> MutexGuard<'_, LruCache<K, V>> {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::spec::{BuiltinArenas, resolve};
+    use crate::documents::{BuiltinArenas, resolve};
 
     #[test]
     fn a_picture_is_kept_until_visits_or_objects_change() {

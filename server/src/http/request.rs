@@ -49,7 +49,7 @@ pub fn parse(body: &[u8]) -> Result<Value, Refusal> {
     };
     let text =
         std::str::from_utf8(body).map_err(|error| not_json(format!("not UTF-8: {error}")))?;
-    crate::spec::parse(text)
+    crate::documents::parse(text)
         .map_err(|errors| Refusal::bad_request("the body is not JSON").with_errors(errors))
 }
 

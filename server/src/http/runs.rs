@@ -10,8 +10,8 @@ use super::refusal::Refusal;
 use super::{App, views};
 use crate::artifacts::memory_plan;
 use crate::channels::{Extent, describe};
+use crate::documents::{ResolvedRun, parse, resolve};
 use crate::scheduler::StoredArenas;
-use crate::spec::{ResolvedRun, parse, resolve};
 use crate::store::RunView;
 
 /// `GET /v1/runs/{id}`.

@@ -9,7 +9,7 @@ use serde_json::Value;
 use super::App;
 use super::jobs::{found, job_seq, text};
 use super::refusal::Refusal;
-use crate::spec::Design;
+use crate::documents::Design;
 use crate::store::{JobSeq, RunView};
 use crate::summary::{FinishedRun, Input, csv, markdown, summary};
 
@@ -74,7 +74,7 @@ fn of_job(app: &App, seq: JobSeq) -> Result<JobSummary, Refusal> {
     };
     Ok(summary(&input, |place| {
         let run = runs.get(place as usize)?;
-        let metrics = app.store.coverage(run.seq).ok()??.metrics;
+        let metrics = app.store.findings(run.seq).ok()??.metrics;
         (!metrics.first_entry.is_empty()).then_some((metrics.first_entry, metrics.reachable))
     }))
 }

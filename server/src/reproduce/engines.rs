@@ -6,7 +6,7 @@ use swarm::spec::EngineKind;
 use super::document::{Block, Table};
 use super::plan::Settings;
 use super::results::{Finding, Findings};
-use crate::spec::ENGINE_METHODS;
+use crate::documents::ENGINE_METHODS;
 use crate::statistics::{compare, summary};
 
 /// Both engines, that of all other experiments first.

@@ -5,7 +5,7 @@ use api::{FieldError, RunSpec};
 use serde_json::json;
 use swarm::spec::EngineKind;
 
-use crate::spec::{
+use crate::documents::{
     self, BuiltinArenas, ExpandedJob, ResolvedRun, SHORT_PHASE_METHOD, SHORT_PHASES, chapter_5,
 };
 use crate::store::{RunView, Store};
@@ -64,8 +64,8 @@ impl Settings {
         let arenas: Vec<&str> = self.arenas.iter().map(String::as_str).collect();
         let base = json!({ "epochs": self.epochs, "steps_per_epoch": self.steps_per_epoch });
         let mut job = chapter_5(&arenas, base, self.seeds, self.rapier_seeds);
-        job["name"] = spec::CHAPTER_5.into();
-        spec::expand(&job, &BuiltinArenas)
+        job["name"] = documents::CHAPTER_5.into();
+        documents::expand(&job, &BuiltinArenas)
     }
 
     /// The settings of which these could be the runs, in the order of the job.
@@ -208,7 +208,8 @@ mod tests {
         let plan = plan(whole.clone());
         assert_eq!(plan.runs.len(), 450 + 30 + 45);
         assert_eq!(plan.methods().len(), 12);
-        let template = spec::expand(&json!({ "template": "chapter-5" }), &BuiltinArenas).unwrap();
+        let template =
+            documents::expand(&json!({ "template": "chapter-5" }), &BuiltinArenas).unwrap();
         let keys: Vec<String> = plan.runs.iter().map(|run| run.spec.key()).collect();
         let of_template: Vec<String> = template.runs.iter().map(ResolvedRun::key).collect();
         assert_eq!(keys, of_template);

@@ -12,7 +12,7 @@ use super::maps::{self, Counted};
 use super::plan::Plan;
 use super::results::{Finding, Findings};
 use super::{curves, engines, sections};
-use crate::spec::{ArenaSource, BuiltinArenas};
+use crate::documents::{ArenaSource, BuiltinArenas};
 use crate::store::Store;
 
 /// The report on a plan's runs. Equal results give equal bytes.

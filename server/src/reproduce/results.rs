@@ -160,8 +160,8 @@ impl Findings {
 
 fn read_run(run: &PlannedRun, store: &Store, key: &str) -> anyhow::Result<Finding> {
     let stored = store.run(key)?.context("it is not stored")?;
-    let coverage = store.coverage(stored.seq)?;
-    let (Some(result), Some(coverage)) = (stored.result, coverage) else {
+    let findings = store.findings(stored.seq)?;
+    let (Some(result), Some(findings)) = (stored.result, findings) else {
         bail!("it is not finished");
     };
     Ok(Finding {
@@ -170,8 +170,8 @@ fn read_run(run: &PlannedRun, store: &Store, key: &str) -> anyhow::Result<Findin
         engine: run.engine,
         seed: run.spec.seed(),
         result,
-        p1_by_epoch: coverage.curve.iter().map(|row| f64::from(row.p1)).collect(),
-        visits: coverage.visits,
+        p1_by_epoch: findings.curve.iter().map(|row| f64::from(row.p1)).collect(),
+        visits: findings.visits,
     })
 }
 

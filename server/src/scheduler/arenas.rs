@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use arenas::Arena;
 
-use crate::spec::{ArenaSource, BuiltinArenas};
+use crate::documents::{ArenaSource, BuiltinArenas};
 use crate::store::Store;
 
 /// Every arena that a run spec may name.

@@ -9,11 +9,11 @@ use swarm::run::{Phase, Progress, Run};
 
 use super::SchedulerConfig;
 use super::block::Block;
-use super::live::{LiveRun, Speed, View, coverage_of};
+use super::live::{LiveRun, Speed, View, findings_of};
 use super::pace::Pace;
 use crate::artifacts::{run_result, thread_cpu_s};
 use crate::channels::{Extent, FramePublisher};
-use crate::spec::{ResolvedRun, parse, resolve};
+use crate::documents::{ResolvedRun, parse, resolve};
 use crate::store::{Checkpoint, ClaimedRun, Finished, Position, Store};
 
 /// Least time between two views of a run, and the rest after one in multiples of what it took.
@@ -75,7 +75,7 @@ pub fn attempt(
             live.publish(View {
                 progress,
                 robot_steps_per_s,
-                coverage: coverage_of(&run),
+                findings: findings_of(&run),
             });
         });
         checkpoints.when_due(|| save(store, &claimed.id, &run));
@@ -92,7 +92,7 @@ pub fn attempt(
             let result = run_result(&outcome);
             Ended::Finished(Box::new(Finished {
                 result,
-                coverage: coverage_of(&run),
+                findings: findings_of(&run),
                 cpu_ns_per_robot_step: (steps > 0)
                     .then(|| (thread_cpu_s() - cpu_s) * 1e9 / steps as f64),
             }))
@@ -128,7 +128,7 @@ pub fn park(store: &Store, claimed: &ClaimedRun, run: &Run) {
 /// A run without a checkpoint starts again after a crash, with the same result: a warning will do.
 fn save(store: &Store, id: &str, run: &Run) {
     let checkpoint = Checkpoint {
-        coverage: coverage_of(run),
+        findings: findings_of(run),
         snapshot: run.snapshot(),
     };
     if let Err(error) = store.checkpoints().write(id, &checkpoint) {

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use swarm::run::{Progress, Run};
 
-use crate::store::Coverage;
+use crate::store::Findings;
 
 /// A run at one moment.
 #[derive(Clone, Debug)]
@@ -17,7 +17,7 @@ pub struct View {
     /// Speed over about the last [`MEMORY_S`] seconds; `None` until it is known.
     pub robot_steps_per_s: Option<f64>,
     /// What it has covered.
-    pub coverage: Coverage,
+    pub findings: Findings,
 }
 
 impl View {
@@ -34,8 +34,8 @@ impl View {
 }
 
 /// What a run has covered right now.
-pub fn coverage_of(run: &Run) -> Coverage {
-    Coverage {
+pub fn findings_of(run: &Run) -> Findings {
+    Findings {
         curve: run.curve().to_vec(),
         visits: run.visits(),
         dwell: run.dwell(),

@@ -3,7 +3,7 @@
 use api::ArenaRef;
 use swarm::spec::EngineKind;
 
-use crate::spec::{ArenaSource, BuiltinArenas, ExpandedJob, ResolvedRun};
+use crate::documents::{ArenaSource, BuiltinArenas, ExpandedJob, ResolvedRun};
 use crate::store::{JobRequest, NewJob, NewRun};
 
 /// About what a robot-step of rigid bodies costs against one of the kinematic engine, for one robot

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use swarm::run::Run;
 
 use super::*;
-use crate::spec::{BuiltinArenas, ResolvedRun, expand};
+use crate::documents::{BuiltinArenas, ResolvedRun, expand};
 use crate::store::{JobRequest, RunState};
 
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -116,9 +116,9 @@ fn a_job_ends_with_the_results_of_its_runs_alone() {
     for run in runs(&small) {
         assert_eq!(digest(&store, &run), digest_alone(&run));
         let view = store.run(&run.key()).unwrap().unwrap();
-        let coverage = store.coverage(view.seq).unwrap().unwrap();
-        assert_eq!(coverage.curve.len(), 4);
-        assert_eq!(coverage.visits.len(), 10_000);
+        let findings = store.findings(view.seq).unwrap().unwrap();
+        assert_eq!(findings.curve.len(), 4);
+        assert_eq!(findings.visits.len(), 10_000);
         assert!(store.checkpoints().read(&run.key()).unwrap().is_none());
     }
 }
@@ -140,7 +140,7 @@ fn a_run_stopped_again_and_again_ends_the_same() {
             break;
         }
         assert_eq!(view.state.state(), Life::Paused);
-        assert!(store.checkpoints().coverage(&run.key()).unwrap().is_some());
+        assert!(store.checkpoints().findings(&run.key()).unwrap().is_some());
         scheduler.set_intent(job, Intent::Active).unwrap();
         wait_for("a view", || scheduler.view(seq).is_some());
         // The end of the process, and a new one.

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
-use super::{Coverage, StoreError};
+use super::{Findings, StoreError};
 
 const MAGIC: [u8; 8] = *b"EVSWCP03";
 const SUFFIX: &str = ".checkpoint";
@@ -18,7 +18,7 @@ const SUFFIX: &str = ".checkpoint";
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checkpoint {
     /// What it had covered, for whoever asks before it goes on.
-    pub coverage: Coverage,
+    pub findings: Findings,
     /// What `swarm::run::Run::restore` takes.
     pub snapshot: Vec<u8>,
 }
@@ -57,12 +57,12 @@ impl Checkpoints {
     /// `Io` when it cannot be written; the old one is then still there.
     pub fn write(&self, run: &str, checkpoint: &Checkpoint) -> Result<(), StoreError> {
         let path = self.path(run);
-        let coverage = postcard::to_allocvec(&checkpoint.coverage)
-            .map_err(|error| StoreError::unreadable("coverage", error))?;
+        let findings = postcard::to_allocvec(&checkpoint.findings)
+            .map_err(|error| StoreError::unreadable("findings", error))?;
         let write = || {
             let mut file = tempfile::NamedTempFile::new_in(&self.dir)?;
             file.write_all(&MAGIC)?;
-            write_part(&mut file, &coverage)?;
+            write_part(&mut file, &findings)?;
             write_part(&mut file, &checkpoint.snapshot)?;
             file.as_file().sync_all()?;
             file.persist(&path)?;
@@ -79,18 +79,18 @@ impl Checkpoints {
         let Some(mut file) = self.open_file(run)? else {
             return Ok(None);
         };
-        let coverage = read_coverage(&mut file)?;
+        let findings = read_findings(&mut file)?;
         let snapshot = read_part(&mut file)?;
-        Ok(Some(Checkpoint { coverage, snapshot }))
+        Ok(Some(Checkpoint { findings, snapshot }))
     }
 
     /// What the run's checkpoint had covered, without reading the snapshot.
     ///
     /// # Errors
     /// As for [`Self::read`].
-    pub fn coverage(&self, run: &str) -> Result<Option<Coverage>, CheckpointError> {
+    pub fn findings(&self, run: &str) -> Result<Option<Findings>, CheckpointError> {
         let file = self.open_file(run)?;
-        file.map(|mut file| read_coverage(&mut file)).transpose()
+        file.map(|mut file| read_findings(&mut file)).transpose()
     }
 
     fn open_file(&self, run: &str) -> Result<Option<File>, CheckpointError> {
@@ -142,7 +142,7 @@ fn write_part(file: &mut impl Write, part: &[u8]) -> std::io::Result<()> {
     file.write_all(part)
 }
 
-fn read_coverage(file: &mut File) -> Result<Coverage, CheckpointError> {
+fn read_findings(file: &mut File) -> Result<Findings, CheckpointError> {
     if read_array(file)? != MAGIC {
         return Err(CheckpointError::Damaged);
     }
@@ -177,7 +177,7 @@ mod tests {
     use super::*;
 
     fn checkpoint() -> Checkpoint {
-        let coverage = Coverage {
+        let findings = Findings {
             curve: Vec::new(),
             visits: vec![1, 0, 3],
             dwell: vec![2, 0, 5],
@@ -185,7 +185,7 @@ mod tests {
             tracks: Default::default(),
         };
         Checkpoint {
-            coverage,
+            findings,
             snapshot: vec![7; 1000],
         }
     }
@@ -198,8 +198,8 @@ mod tests {
         checkpoints.write("a", &checkpoint()).unwrap();
         assert_eq!(checkpoints.read("a").unwrap(), Some(checkpoint()));
         assert_eq!(
-            checkpoints.coverage("a").unwrap(),
-            Some(checkpoint().coverage)
+            checkpoints.findings("a").unwrap(),
+            Some(checkpoint().findings)
         );
         checkpoints.remove("a");
         assert!(checkpoints.read("a").unwrap().is_none());

@@ -20,7 +20,7 @@ use rusqlite::Connection;
 pub use arenas::{ArenaDeletion, SaveArenaError, StoredArena};
 pub use checkpoints::{Checkpoint, CheckpointError, Checkpoints};
 pub use jobs::{CreateJobError, Created, JobRequest, JobSeq, JobView, NewJob, NewRun, RunningRun};
-pub use results::{Coverage, Finished};
+pub use results::{Findings, Finished};
 pub use runs::{ClaimedRun, RunSeq, RunView, StoppedRun};
 pub use state::{Intent, Position, RunState};
 

@@ -8,7 +8,7 @@ use super::{RunSeq, Store, StoreError};
 
 /// What a run has covered so far.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Coverage {
+pub struct Findings {
     /// One row a completed counted epoch.
     pub curve: Vec<CurveRow>,
     /// Entries counted a square, row by row from the lowest y.
@@ -27,12 +27,12 @@ pub struct Finished {
     /// `result.json`.
     pub result: api::RunResult,
     /// The whole curve and the final counts.
-    pub coverage: Coverage,
+    pub findings: Findings,
     /// Processor time a robot-step, nanoseconds, of the last time that a worker held the run.
     pub cpu_ns_per_robot_step: Option<f64>,
 }
 
-/// Coverage, metrics and objects of a result; the last two are younger than the first.
+/// Findings, metrics and objects of a result; the last two are younger than the first.
 type Blobs = (Vec<u8>, Option<Vec<u8>>, Option<Vec<u8>>);
 
 fn read<T: serde::de::DeserializeOwned>(what: &'static str, blob: &[u8]) -> Result<T, StoreError> {
@@ -56,7 +56,7 @@ impl Store {
     ///
     /// # Errors
     /// When the database fails or holds what cannot be read.
-    pub fn coverage(&self, run: RunSeq) -> Result<Option<Coverage>, StoreError> {
+    pub fn findings(&self, run: RunSeq) -> Result<Option<Findings>, StoreError> {
         let blobs: Option<Blobs> = self
             .connection()
             .prepare_cached("SELECT coverage, metrics, objects FROM results WHERE run = ?1")?
@@ -65,7 +65,7 @@ impl Store {
         blobs
             .map(|(coverage, metrics, objects)| {
                 let (curve, visits, dwell) = read("coverage", &coverage)?;
-                Ok(Coverage {
+                Ok(Findings {
                     curve,
                     visits,
                     dwell,
@@ -95,13 +95,13 @@ impl Store {
     /// # Errors
     /// When the database fails; nothing is stored then.
     pub fn finish(&self, run: RunSeq, finished: &Finished) -> Result<bool, StoreError> {
-        let Coverage {
+        let Findings {
             curve,
             visits,
             dwell,
             metrics,
             tracks,
-        } = &finished.coverage;
+        } = &finished.findings;
         let coverage = write("coverage", &(curve, visits, dwell))?;
         let metrics = write("metrics", metrics)?;
         let objects = (!tracks.is_empty())

@@ -49,7 +49,7 @@ fn tracks() -> swarm::run::Tracks {
         "starts": [{ "x_m": 0.1, "y_m": 0.1, "heading_rad": 0.8 }],
         "objects": [{ "kind": "disc", "x_m": 0.3, "y_m": 0.3, "radius_m": 0.03 }]
     } });
-    let spec = crate::spec::resolve(&spec, &crate::spec::BuiltinArenas).unwrap();
+    let spec = crate::documents::resolve(&spec, &crate::documents::BuiltinArenas).unwrap();
     let tracks = swarm::run::Run::new(spec.run_spec()).unwrap().tracks();
     assert_eq!(tracks.objects(), 1);
     tracks
@@ -88,7 +88,7 @@ fn finished() -> Finished {
     }];
     Finished {
         result,
-        coverage: Coverage {
+        findings: Findings {
             curve,
             visits: vec![1, 2, 0],
             dwell: vec![4, 5, 0],
@@ -147,13 +147,13 @@ fn a_new_store_and_an_old_one_are_migrated() {
 #[test]
 fn results_of_versions_without_objects_stay_readable() {
     let dir = tempfile::tempdir().unwrap();
-    let Coverage {
+    let Findings {
         curve,
         visits,
         dwell,
         metrics,
         ..
-    } = finished().coverage;
+    } = finished().findings;
     {
         let mut old = Connection::open(dir.path().join("evswarm.sqlite3")).unwrap();
         let runner = migrations::migrations::runner().set_target(refinery::Target::Version(3));
@@ -180,9 +180,9 @@ fn results_of_versions_without_objects_stay_readable() {
         )
         .unwrap();
     }
-    let read = open(dir.path()).coverage(1).unwrap().unwrap();
+    let read = open(dir.path()).findings(1).unwrap().unwrap();
     assert!(read.tracks.is_empty());
-    let expected = Coverage {
+    let expected = Findings {
         curve,
         visits,
         dwell,
@@ -206,7 +206,7 @@ fn what_ran_when_the_process_died_waits_again_in_order() {
         );
         assert_eq!(store.claim(waiting[0]).unwrap(), None);
         let checkpoint = Checkpoint {
-            coverage: Coverage::default(),
+            findings: Findings::default(),
             snapshot: vec![1, 2, 3],
         };
         store.checkpoints().write("a", &checkpoint).unwrap();
@@ -315,7 +315,7 @@ fn a_finished_run_is_kept_and_never_waits_again() {
     let store = open(dir.path());
     let (first, waiting) = create(&store, &["a"]);
     store.claim(waiting[0]).unwrap().unwrap();
-    assert!(store.coverage(waiting[0]).unwrap().is_none());
+    assert!(store.findings(waiting[0]).unwrap().is_none());
     assert!(store.finish(waiting[0], &finished()).unwrap());
     let (second, waiting_again) = create(&store, &["a"]);
     assert!(waiting_again.is_empty());
@@ -328,8 +328,8 @@ fn a_finished_run_is_kept_and_never_waits_again() {
         );
     }
     assert_eq!(
-        store.coverage(waiting[0]).unwrap(),
-        Some(finished().coverage)
+        store.findings(waiting[0]).unwrap(),
+        Some(finished().findings)
     );
     assert_eq!(
         store.run("a").unwrap().unwrap().result,

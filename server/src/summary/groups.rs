@@ -3,7 +3,7 @@
 use api::summary::{Group, Measure};
 
 use super::{Combination, FinishedRun, values};
-use crate::spec::Design;
+use crate::documents::Design;
 use crate::statistics::bootstrap::mean_interval;
 use crate::statistics::summary as moments;
 

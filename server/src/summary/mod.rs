@@ -15,7 +15,7 @@ use serde_json::Value;
 
 pub use table::{csv, markdown};
 
-use crate::spec::{Design, indices_at};
+use crate::documents::{Design, indices_at};
 
 /// A finished run of a job.
 #[derive(Clone, Debug)]

@@ -6,7 +6,7 @@ use swarm::run::time_to_cover;
 
 use super::groups::measured;
 use super::{Combination, FirstEntries, alike, axis_of, values};
-use crate::spec::Design;
+use crate::documents::Design;
 use crate::statistics::bootstrap::{interval, mean};
 
 const TIMES: [(&str, u32); 3] = [("t50_steps", 50), ("t90_steps", 90), ("t99_steps", 99)];

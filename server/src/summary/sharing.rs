@@ -5,7 +5,7 @@ use serde_json::Value;
 
 use super::groups::measure;
 use super::{Combination, alike, axis_of, values};
-use crate::spec::Design;
+use crate::documents::Design;
 use crate::statistics::bootstrap::{mean, mean_interval};
 
 /// Fewest pairs from which something is said.

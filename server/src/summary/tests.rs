@@ -5,7 +5,7 @@ use api::{ClusterCounts, Fractions, SwarmMetrics};
 use serde_json::json;
 
 use super::*;
-use crate::spec::DesignAxis;
+use crate::documents::DesignAxis;
 
 fn finished(place: u64, seed: u64, t90: Option<u64>, mean_coverage: f64) -> FinishedRun {
     FinishedRun {

@@ -94,7 +94,7 @@ fn a_runs_objects_are_sent_as_they_are() {
                 { "kind": "disc", "x_m": 0.35, "y_m": 0.3, "radius_m": 0.03 }
             ]
     } });
-    let spec = crate::spec::resolve(&spec, &crate::spec::BuiltinArenas).unwrap();
+    let spec = crate::documents::resolve(&spec, &crate::documents::BuiltinArenas).unwrap();
     let mut run = Run::new(spec.run_spec()).unwrap();
     run.advance(3_000);
     let root = Root::new();

@@ -1,7 +1,7 @@
 //! Movable objects over time, as a client sees them while a run goes on and after.
 
 use super::*;
-use crate::spec::testing::yard;
+use crate::documents::testing::yard;
 
 fn pushing(epochs: u32) -> Value {
     json!({

@@ -3,12 +3,12 @@
 use anyhow::Context;
 
 use super::{Claim, Level, Test, Verdict};
+use crate::documents::{
+    ArenaSource, BuiltinArenas, SHORT_PHASE_ARENA, SHORT_PHASE_METHOD, SHORT_PHASES,
+};
 use crate::reproduce::far_chamber::{DEPTH_M, far_chamber};
 use crate::reproduce::plan::{Settings, short_phase_label};
 use crate::reproduce::results::{Finding, Findings};
-use crate::spec::{
-    ArenaSource, BuiltinArenas, SHORT_PHASE_ARENA, SHORT_PHASE_METHOD, SHORT_PHASES,
-};
 use crate::statistics::{Comparison, compare, sign_test};
 use swarm::spec::Method;
 

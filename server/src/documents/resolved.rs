@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use arenas::Arena;
 use sha2::{Digest, Sha256};
+use swarm::RESULTS_VERSION;
 use swarm::spec::{EngineKind, Method, RunSpec};
 
 /// A checked run spec with every default filled in. Cheap to clone: runs of a job that differ in
@@ -141,7 +142,7 @@ impl ResolvedRun {
     }
 
     /// The run's id: SHA-256, in hex, over the seed and the SHA-256 of the rest of the canonical
-    /// spec, the contents of its arenas and the program's version. Equal keys mean equal results.
+    /// spec, the contents of its arenas and the version of results. Equal keys mean equal results.
     pub fn key(&self) -> String {
         let mut hash = Sha256::new();
         hash.update(self.common.digest);
@@ -161,11 +162,11 @@ fn text(spec: &api::RunSpec) -> String {
     text
 }
 
-/// SHA-256 over the program's version, the text of a spec and the contents of its arenas.
+/// SHA-256 over the version of results, the text of a spec and the contents of its arenas.
 fn digest(run: &RunSpec, text: &str) -> [u8; 32] {
     let training = run.controller.training.as_ref();
     let parts = [
-        env!("CARGO_PKG_VERSION").as_bytes().to_vec(),
+        RESULTS_VERSION.to_le_bytes().to_vec(),
         text.as_bytes().to_vec(),
         run.arena.content_key(),
         training
