@@ -19,7 +19,7 @@ run: build
 	@(for try in 1 2 3 4 5 6 7 8 9 10; do \
 		sleep 0.5; \
 		jobs=$$($(EVSWARM) status --server http://$(LISTEN) 2>/dev/null) || continue; \
-		test -n "$$jobs" || $(EVSWARM) submit docs/first-job.json --server http://$(LISTEN); \
+		test -n "$$jobs" || $(EVSWARM) submit experiments/first-job.json --server http://$(LISTEN); \
 		break; \
 	done) & exec $(EVSWARM) serve --listen $(LISTEN) --data $(DATA)
 

@@ -60,7 +60,7 @@ fn a_reader_gets_frames_while_the_run_goes_on() {
 fn a_reader_gets_movable_objects_too() {
     let home = tempfile::tempdir().unwrap();
     let server = Server::start(home.path());
-    let spec = include_str!("../../docs/pushing-boxes.json");
+    let spec = include_str!("../../experiments/pushing-boxes.json");
     let mut spec: serde_json::Value = serde_json::from_str(spec).unwrap();
     spec["epochs"] = json!(100_000);
     spec["channels"] = json!(true);

@@ -9,7 +9,7 @@ use tests::{readme, wait};
 
 #[test]
 fn the_first_job_of_the_readme_is_the_one_that_make_run_posts() {
-    let file = std::fs::read_to_string(readme::root().join("docs/first-job.json")).unwrap();
+    let file = std::fs::read_to_string(readme::root().join("experiments/first-job.json")).unwrap();
     assert!(readme::text().contains(file.trim()));
     let mut job: Value = serde_json::from_str(&file).unwrap();
 

@@ -7,7 +7,10 @@ use tests::command::evswarm;
 #[test]
 fn the_readmes_boxes_are_pushed_the_same_way_twice() {
     let directory = tempfile::tempdir().unwrap();
-    let spec = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/pushing-boxes.json");
+    let spec = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../experiments/pushing-boxes.json"
+    );
     let result = |name: &str| {
         let out = directory.path().join(name);
         let done = evswarm(&["run", spec, "--out", out.to_str().unwrap()], "");

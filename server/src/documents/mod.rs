@@ -49,6 +49,8 @@ pub fn parse(text: &str) -> Result<Value, Vec<FieldError>> {
 #[cfg(test)]
 mod expand_tests;
 #[cfg(test)]
+mod experiments_tests;
+#[cfg(test)]
 mod resolve_tests;
 #[cfg(test)]
 pub(crate) mod testing;
