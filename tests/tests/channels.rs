@@ -96,3 +96,57 @@ fn a_run_with_channels_finds_what_it_finds_without() {
     let [without, with] = [0, 1].map(|place| Findings::of_run(&server, &findings[place].id));
     assert_eq!(without.differing(&with), ["spec.json"]);
 }
+
+/// A write to shared memory without room ends the process (SIGBUS), and did so again at every start.
+#[test]
+fn a_full_dev_shm_costs_the_channels_and_nothing_else() {
+    let home = tempfile::tempdir().unwrap();
+    let mut spec = small_spec();
+    spec["channels"] = json!(true);
+    spec["arena"] = json!({ "from": "easy", "tile": [8, 8], "squares": 20 });
+    spec["robots"] = json!(1_000);
+    spec["placement"] = json!("grid");
+    std::fs::write(home.path().join("spec.json"), spec.to_string()).unwrap();
+    // A file system of its own for /dev/shm: 4 MB, of which `free` stay free.
+    let run = |full_kb: u32, out: &str| {
+        let script = format!(
+            "mount -t tmpfs -o size=4m tmpfs /dev/shm && \
+             head -c {full_kb}K /dev/zero >/dev/shm/full && exec \"$1\" run spec.json --out {out}"
+        );
+        Command::new("unshare")
+            .args([
+                "--user",
+                "--map-root-user",
+                "--mount",
+                "sh",
+                "-c",
+                &script,
+                "sh",
+            ])
+            .arg(program("evswarm"))
+            .env("XDG_RUNTIME_DIR", home.path())
+            .env_remove("RUST_LOG")
+            .current_dir(home.path())
+            .output()
+            .unwrap()
+    };
+    for (full_kb, out) in [
+        (4_096, "full"),
+        (4_000, "nearly"),
+        (2_900, "half"),
+        (0, "free"),
+    ] {
+        let done = run(full_kb, out);
+        let errors = String::from_utf8_lossy(&done.stderr);
+        assert!(done.status.success(), "{out}: {:?} {errors}", done.status);
+        assert_eq!(
+            errors.contains("/dev/shm has"),
+            full_kb > 2_900,
+            "{out}: {errors}"
+        );
+    }
+    assert!(
+        Findings::of_directory(&home.path().join("full"))
+            == Findings::of_directory(&home.path().join("free"))
+    );
+}

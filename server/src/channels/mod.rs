@@ -3,6 +3,7 @@
 //! and a channel that cannot be opened is a warning.
 
 mod ports;
+mod room;
 mod slot;
 #[cfg(test)]
 mod tests;

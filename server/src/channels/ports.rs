@@ -18,6 +18,7 @@ use iceoryx2::service::port_factory::PortFactory as _;
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 
 use super::Extent;
+use super::room::{self, NoRoom};
 use super::slot::{Frame, Slot, Taken};
 
 /// Most readers of one channel at once.
@@ -62,6 +63,9 @@ pub enum ChannelError {
         /// Robots in the run.
         robots: usize,
     },
+    /// Shared memory is full.
+    #[error(transparent)]
+    NoRoom(#[from] NoRoom),
     /// The transport has no node for this process.
     #[error("no node: {0:?}")]
     Node(NodeCreationFailure),
@@ -85,6 +89,9 @@ pub enum ChannelError {
 /// Why a frame was not sent. The next one may be.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum FrameError {
+    /// Shared memory is full.
+    #[error(transparent)]
+    NoRoom(#[from] NoRoom),
     /// No sample was free.
     #[error("no sample is free: {0:?}")]
     Loan(LoanError),
@@ -149,6 +156,7 @@ impl<T: Copy + Debug + ZeroCopySend + 'static> Channel<T> {
     }
 
     fn send(&self, header: FrameHeader, slice: &[T]) -> Result<(), FrameError> {
+        room::for_bytes(size_of_val(slice) + size_of::<FrameHeader>())?;
         let sample = self
             .publisher
             .loan_slice_uninit(slice.len())
@@ -161,6 +169,7 @@ impl<T: Copy + Debug + ZeroCopySend + 'static> Channel<T> {
 
     /// A silent channel, of a paused run perhaps, still gives new readers its history.
     fn greet(&self) -> Result<(), FrameError> {
+        room::for_bytes(0)?;
         self.publisher
             .update_connections()
             .map_err(FrameError::Connect)
@@ -186,6 +195,9 @@ impl Ports {
     pub(super) fn open(root: &Path, run_id: &str, extent: Extent) -> Result<Self, ChannelError> {
         let config = transport_config(root)?;
         create_private_folder(root)?;
+        room::for_bytes(
+            extent.robots * size_of::<RobotState>() + extent.objects * size_of::<ObjectState>(),
+        )?;
         let node = NodeBuilder::new()
             .config(&config)
             .signal_handling_mode(SignalHandlingMode::Disabled)
