@@ -3,10 +3,11 @@
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
-use crate::arena::{Arena, Pose, Segment};
+use crate::arena::{Arena, Pose};
 use crate::error::{ArenaError, json_pointer};
 use crate::generate::{GenerateFormat, Generated};
 use crate::objects::{self, Movable};
+use crate::segment::Segment;
 use crate::validate;
 
 /// Squares along each side if the arena does not say.

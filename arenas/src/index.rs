@@ -5,7 +5,8 @@
 
 use nalgebra::Point2;
 
-use crate::arena::{Arena, Segment};
+use crate::arena::Arena;
+use crate::segment::Segment;
 
 /// A wall as the step loop wants it: one end, the vector to the other, and 1 / length squared.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -40,13 +40,14 @@ mod generate;
 pub mod index;
 mod objects;
 mod reachable;
+mod segment;
 mod squares;
 mod starts;
 mod svg;
 mod tile;
 mod validate;
 
-pub use arena::{Arena, Pose, Segment};
+pub use arena::{Arena, Pose};
 pub use builtin::{builtin, builtin_names};
 pub use error::ArenaError;
 pub use format::{ArenaFormat, DEFAULT_SQUARES, SquaresFormat};
@@ -55,6 +56,7 @@ pub use objects::{
     MAX_OBJECTS, Movable, OBJECT_FRICTION_RANGE, OBJECT_MASS_RANGE_KG, OBJECT_SIZE_RANGE_M,
 };
 pub use reachable::{Reachable, reachable};
+pub use segment::Segment;
 pub use squares::Squares;
 pub use svg::{SvgOptions, render_svg};
 pub use tile::Tiling;

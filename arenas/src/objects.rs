@@ -3,8 +3,8 @@
 use nalgebra::{Point2, Vector2};
 use serde::{Deserialize, Serialize};
 
-use crate::arena::Segment;
 use crate::error::ArenaError;
+use crate::segment::Segment;
 
 /// Most objects of one arena.
 pub const MAX_OBJECTS: usize = 1_000;

@@ -3,7 +3,8 @@
 
 use nalgebra::Point2;
 
-use crate::arena::{Arena, Pose, Segment};
+use crate::arena::{Arena, Pose};
+use crate::segment::Segment;
 use crate::squares::Squares;
 
 /// No cell is refined below this side, metres ...

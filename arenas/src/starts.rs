@@ -2,8 +2,9 @@
 
 use nalgebra::Point2;
 
-use crate::arena::{Arena, Segment};
+use crate::arena::Arena;
 use crate::error::ArenaError;
+use crate::segment::Segment;
 
 /// Overlap that rounded decimals may cause, metres.
 const TOLERANCE_M: f64 = 1e-9;

@@ -4,7 +4,8 @@ use std::fmt::Write;
 
 use nalgebra::Point2;
 
-use crate::arena::{Arena, Segment};
+use crate::arena::Arena;
+use crate::segment::Segment;
 
 /// How to draw.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,9 +2,10 @@
 
 use nalgebra::Point2;
 
-use crate::arena::{Arena, Pose, Segment};
+use crate::arena::{Arena, Pose};
 use crate::error::ArenaError;
 use crate::objects::{self, MAX_OBJECTS, Movable};
+use crate::segment::Segment;
 use crate::validate::{
     self, MAX_STARTS, MAX_WALLS, MIN_WALL_LENGTH_M, SIDE_RANGE_M, SQUARES_RANGE,
 };

@@ -2,7 +2,7 @@
 
 use nalgebra::Point2;
 
-use crate::arena::Segment;
+use crate::segment::Segment;
 use crate::validate::MIN_WALL_LENGTH_M;
 
 /// Pieces as (place across, from, to).

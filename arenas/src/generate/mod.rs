@@ -8,10 +8,12 @@ mod obstacles;
 mod parameters;
 mod random;
 
-use crate::arena::{Pose, Segment};
+use crate::arena::Pose;
 use crate::error::ArenaError;
+use crate::segment::Segment;
 use crate::validate::MAX_WALLS;
-pub use parameters::{GenerateFormat, GeneratorKind, ObstacleShape, Parameter};
+pub use obstacles::ObstacleShape;
+pub use parameters::{GenerateFormat, GeneratorKind, Parameter};
 use random::Random;
 
 /// A generator with every parameter checked.

@@ -3,17 +3,29 @@
 use std::f64::consts::{FRAC_PI_4, SQRT_2};
 
 use nalgebra::{Point2, Vector2};
+use serde::{Deserialize, Serialize};
 
-use super::parameters::ObstacleShape;
 use super::{Generated, random::Random};
-use crate::arena::{Pose, Segment};
+use crate::arena::Pose;
 use crate::error::ArenaError;
+use crate::segment::Segment;
 use crate::validate::MAX_WALLS;
 
 /// Places tried for one obstacle before the arena counts as full.
 const TRIES: usize = 500;
 /// Most buckets along a side.
 const MAX_BUCKETS: f64 = 512.0;
+
+/// Outline of an obstacle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ObstacleShape {
+    /// A single wall.
+    #[default]
+    Wall,
+    /// A closed square.
+    Box,
+}
 
 /// Obstacles are convex, and each is more than `gap_m` from every other and from the boundary. So
 /// for a disc of a lesser diameter, the obstacles grown by its radius do not touch: what is left

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::layouts::{Corridors, Maze, Rooms};
-use super::obstacles::RandomObstacles;
+use super::obstacles::{ObstacleShape, RandomObstacles};
 use super::{Generator, Layout};
 use crate::error::ArenaError;
 
@@ -19,17 +19,6 @@ pub enum GeneratorKind {
     Corridors,
     /// Separate walls or boxes at random places and angles.
     RandomObstacles,
-}
-
-/// Outline of an obstacle.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ObstacleShape {
-    /// A single wall.
-    #[default]
-    Wall,
-    /// A closed square.
-    Box,
 }
 
 /// A number that a generator takes.
