@@ -1,4 +1,4 @@
-# What there is to do: make run | test | lint | bench | figures
+# What there is to do: make run | test | test-python | lint | bench | figures
 
 CARGO ?= cargo
 LISTEN ?= 127.0.0.1:8080
@@ -8,7 +8,7 @@ EVSWARM := $(TARGET)/release/evswarm
 CARGO_DENY := target/tools/bin/cargo-deny
 CARGO_DENY_VERSION := 0.20.2
 
-.PHONY: build run test lint deny bench figures
+.PHONY: build run test test-rust test-python lint deny bench figures
 
 build:
 	$(CARGO) build --release --workspace --bins --examples
@@ -23,9 +23,22 @@ run: build
 		break; \
 	done) & exec $(EVSWARM) serve --listen $(LISTEN) --data $(DATA)
 
+test: test-rust test-python
+
 # The end-to-end tests start the binaries that `build` makes.
-test: build
+test-rust: build
 	$(CARGO) test --release --workspace
+
+# The Python client against the real server, in an environment of its own.
+VENV := $(TARGET)/python
+test-python: build $(VENV)/made
+	cd clients/python && $(abspath $(VENV))/bin/ruff check . && $(abspath $(VENV))/bin/mypy \
+		&& CARGO_TARGET_DIR=$(abspath $(TARGET)) $(abspath $(VENV))/bin/python -m pytest
+
+$(VENV)/made: clients/python/pyproject.toml
+	python3 -m venv $(VENV)
+	$(VENV)/bin/pip install --quiet --disable-pip-version-check -e 'clients/python[test]'
+	touch $@
 
 lint: deny
 	$(CARGO) fmt --all --check
