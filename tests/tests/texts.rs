@@ -39,15 +39,6 @@ fn links(text: &str) -> Vec<&str> {
         .collect()
 }
 
-/// Paths of the repository that a text has between backquotes.
-fn paths(text: &str) -> Vec<&str> {
-    let roots = ["arenas/", "swarm/", "api/", "server/", "tests/", "docs/"];
-    let quoted = text.split('`').skip(1).step_by(2);
-    quoted
-        .filter(|word| roots.iter().any(|root| word.starts_with(root)))
-        .collect()
-}
-
 #[test]
 fn links_of_documents_lead_somewhere() {
     assert_eq!(
