@@ -1,6 +1,7 @@
 // The page: jobs on the left, the chosen job's curves and coverage on the right. Everything is
 // asked for again every second or two; elements stay and only what changed in them is written.
 import { drawChart } from "/chart.js";
+import { FILES } from "/files.js";
 
 const POLL_MS = 1500;
 const RUNS_A_PAGE = 24;
@@ -221,7 +222,7 @@ async function curve(run) {
 
 function runCard(run) {
   const open = make("button", { type: "button", className: "open" }, [make("img", { alt: "" })]);
-  const file = (name, text) => make("a", { className: "file", href: `/v1/runs/${run.id}/${name}`, textContent: text });
+  const file = ({ route }) => make("a", { className: "file", href: `/v1/runs/${run.id}/${route}`, textContent: route });
   const cancel = make("button", { type: "button", textContent: "Cancel" });
   const card = make("li", { className: "run-card" }, [
     make("div", { className: "title" }, [make("strong"), make("span", { className: "badge" })]),
@@ -230,8 +231,7 @@ function runCard(run) {
     make("p", { className: "facts" }),
     make("p", { className: "error", hidden: true }),
     make("div", { className: "files" }, [
-      file("spec", "spec"), file("result", "result"), file("curve.csv", "curve.csv"), file("objects.csv", "objects.csv"),
-      file("coverage.svg", "svg"), file("coverage.npy", "npy"), cancel,
+      ...FILES.map(file), cancel,
     ]),
   ]);
   open.addEventListener("click", () => {
@@ -274,9 +274,11 @@ function updateRunCard(card, run) {
   error.hidden = !run.error;
   card.querySelector(".open").setAttribute("aria-label", `Coverage of ${name}`);
   const kept = !["failed", "cancelled"].includes(run.state);
-  for (const link of card.querySelectorAll(".files a")) link.hidden = !kept && link.textContent !== "spec";
-  card.querySelector(".files a:nth-child(2)").hidden = run.state !== "done";
-  card.querySelector(".files a:nth-child(4)").hidden = !run.result?.objects?.length;
+  card.querySelectorAll(".files a").forEach((link, place) => {
+    const file = FILES[place];
+    link.hidden = (file.needs_findings && !kept) || (file.needs_result && run.state !== "done")
+      || (file.needs_objects && !run.result?.objects?.length);
+  });
   if (!kept) card.querySelector("img").removeAttribute("src");
   card.querySelector(".files button").hidden = !["queued", "running", "paused"].includes(run.state);
   card.dataset.id = run.id;

@@ -6,6 +6,7 @@ pub mod artifacts;
 pub mod channels;
 pub mod cli;
 pub mod documents;
+mod findings;
 pub mod http;
 pub mod reproduce;
 pub mod scheduler;

@@ -5,29 +5,23 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use swarm::run::{CurveRow, MetricsLog, Outcome, Tracks};
+use swarm::run::Outcome;
 
+use super::files::{Maker, Material, RUN_FILES, RunFile};
+use super::run_result;
 use super::timing::Timing;
-use super::{
-    coverage_png, curve_csv, metrics_csv, objects_csv, pushed, robots_csv, run_result, visits_npy,
-};
 use crate::documents::ResolvedRun;
+use crate::store::Findings;
 
 /// A finished run.
 #[derive(Clone, Copy, Debug)]
 pub struct Finished<'a> {
     /// What was run.
     pub spec: &'a ResolvedRun,
-    /// What it found.
+    /// How it ended.
     pub outcome: &'a Outcome,
-    /// One row a counted epoch.
-    pub curve: &'a [CurveRow],
-    /// Entries counted a square, row 0 the lowest y.
-    pub visits: &'a [u32],
-    /// Swarm metrics over time.
-    pub metrics: &'a MetricsLog,
-    /// Movable objects over time.
-    pub tracks: &'a Tracks,
+    /// What it leaves besides.
+    pub findings: &'a Findings,
 }
 
 /// A file that could not be written.
@@ -81,35 +75,31 @@ fn files(finished: &Finished<'_>, timing: &Timing) -> Vec<(&'static str, Vec<u8>
     let Finished {
         spec,
         outcome,
-        curve,
-        visits,
-        metrics,
-        tracks,
+        findings,
     } = *finished;
-    let step_s = spec.step_s();
-    let arena = spec.arena();
-    let reachable = arena
-        .starts()
-        .first()
-        .map(|start| arenas::reachable(arena, *start, spec.body_radius_m()));
-    let mask = reachable
-        .as_ref()
-        .map(|reachable| reachable.mask.as_slice());
-    let objects = pushed(spec, tracks);
-    let mut files = vec![
-        ("spec.json", spec.canonical_json().into_bytes()),
-        ("result.json", json(&run_result(outcome))),
-        ("curve.csv", curve_csv(curve).into_bytes()),
-        ("metrics.csv", metrics_csv(metrics, step_s).into_bytes()),
-        ("robots.csv", robots_csv(metrics).into_bytes()),
-        ("visits.npy", visits_npy(visits, arena.squares())),
-        ("coverage.png", coverage_png(arena, visits, mask, &objects)),
-        ("timing.json", json(&timing.to_document())),
-    ];
-    if !tracks.is_empty() {
-        files.push(("objects.csv", objects_csv(tracks).into_bytes()));
-    }
-    files
+    let reachable = || {
+        let start = *spec.arena().starts().first()?;
+        let reachable = arenas::reachable(spec.arena(), start, spec.body_radius_m());
+        Some(reachable.mask.into())
+    };
+    let material = Material {
+        spec,
+        findings,
+        reachable: &reachable,
+        curve_points: None,
+    };
+    let make = |file: &RunFile| match file.maker {
+        Maker::Spec => spec.canonical_json().into_bytes(),
+        Maker::Result => json(&run_result(outcome)),
+        Maker::Timing => json(&timing.to_document()),
+        Maker::Findings(make) => make(&material),
+    };
+    let has_objects = !findings.tracks.is_empty();
+    RUN_FILES
+        .iter()
+        .filter(|file| has_objects || !file.needs_objects)
+        .filter_map(|file| Some((file.name?, make(file))))
+        .collect()
 }
 
 fn json(document: &impl Serialize) -> Vec<u8> {

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use api::{Metrics, MetricsRow, SCHEMA, SwarmMetrics};
 use swarm::run::MetricsLog;
 
-use super::tables::fractions;
+use super::fractions::fractions;
 
 /// The metrics in `result.json`.
 pub fn swarm_metrics(metrics: &swarm::run::Metrics) -> SwarmMetrics {

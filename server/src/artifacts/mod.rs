@@ -3,6 +3,8 @@
 //! Everything but `timing.json` is a pure function of the run, down to the bytes of the picture.
 
 mod directory;
+mod files;
+mod fractions;
 mod metrics;
 mod npy;
 mod objects;
@@ -16,6 +18,7 @@ mod timing;
 mod vector;
 
 pub use directory::{Finished, WriteError, is_complete, write_directory};
+pub use files::{Maker, Material, RUN_FILES, RunFile};
 pub use metrics::{metrics_csv, metrics_json, robots_csv};
 pub use npy::visits_npy;
 pub use objects::{objects_csv, objects_json};

@@ -3,13 +3,13 @@
 use std::fmt::Write;
 
 use api::{
-    ClusterCounts, Coverage, Fractions, Memory, MemoryPlan, ModelAccuracy, ObjectResult, RunResult,
-    SCHEMA,
+    ClusterCounts, Coverage, Memory, MemoryPlan, ModelAccuracy, ObjectResult, RunResult, SCHEMA,
 };
 use arenas::Arena;
 use swarm::run::{CurveRow, ObjectOutcome, Outcome, counts_within};
 use swarm::world::ObjectPose;
 
+use super::fractions::fractions;
 use super::metrics::swarm_metrics;
 use super::palette::STEPS;
 
@@ -83,15 +83,6 @@ pub fn memory_plan(plan: &swarm::memory::MemoryPlan) -> MemoryPlan {
         genomes: plan.genomes,
         bytes: plan.bytes,
     }
-}
-
-/// Counts inside the reachable squares as shares of these.
-pub(super) fn fractions(inside: [u32; STEPS.len()], reachable: u32) -> Fractions {
-    let [p1, p2, p5, p10] = inside.map(|count| match reachable {
-        0 => 0.0,
-        _ => f64::from(count) / f64::from(reachable),
-    });
-    Fractions { p1, p2, p5, p10 }
 }
 
 /// `curve.csv`: one row an epoch.

@@ -6,11 +6,12 @@ use std::fs;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use swarm::memory::MemoryPlan;
-use swarm::run::{CurveRow, MetricsLog, ObjectOutcome, Outcome, RobotMemory, Tracks};
+use swarm::run::{CurveRow, ObjectOutcome, Outcome, RobotMemory};
 use swarm::world::ObjectPose;
 
 use super::*;
 use crate::documents::{self, BuiltinArenas, ResolvedRun};
+use crate::store::Findings;
 
 const SQUARES: u32 = 10;
 
@@ -163,10 +164,10 @@ fn a_directory_holds_all_files_or_is_not_there() {
     let finished = Finished {
         spec: &run,
         outcome: &outcome,
-        curve: &[],
-        visits: &visits,
-        metrics: &MetricsLog::default(),
-        tracks: &Tracks::default(),
+        findings: &Findings {
+            visits,
+            ..Findings::default()
+        },
     };
     let timing = Timing {
         wall_s: 2.0,

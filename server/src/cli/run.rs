@@ -16,7 +16,7 @@ use super::{Failure, output};
 use crate::artifacts::{self, Finished, Timing};
 use crate::channels::{ChannelSettings, Extent, FramePublisher};
 use crate::documents::{self, BuiltinArenas, ResolvedRun};
-use crate::scheduler::{Block, Pace};
+use crate::scheduler::{Block, Pace, findings_of};
 
 /// Wall time between two checkpoints ...
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
@@ -85,16 +85,10 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
         robot_steps: outcome.robot_steps,
         threads: rayon::current_num_threads(),
     };
-    let visits = work.run.visits();
-    let metrics = work.run.metrics();
-    let tracks = work.run.tracks();
     let finished = Finished {
         spec: &spec,
         outcome: &outcome,
-        curve: work.run.curve(),
-        visits: &visits,
-        metrics: &metrics,
-        tracks: &tracks,
+        findings: &findings_of(&work.run),
     };
     artifacts::write_directory(out, &finished, &timing)?;
     checkpoint.remove();

@@ -2,13 +2,14 @@
 
 use api::{ArenaListing, FieldError};
 use arenas::{Arena, SvgOptions, render_svg};
-use axum::Json;
 use axum::body::Bytes;
 use axum::extract::rejection::BytesRejection;
 use axum::extract::{Path, State};
 use axum::http::header::{CONTENT_TYPE, LOCATION};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
+use axum::routing::get;
+use axum::{Json, Router};
 use serde_json::json;
 
 use super::App;
@@ -21,8 +22,14 @@ use crate::store::{ArenaDeletion, StoredArena};
 /// Most arenas that are kept.
 const MAX_UPLOADED: u32 = 1_000;
 
+pub fn routes() -> Router<App> {
+    Router::new()
+        .route("/arenas", get(list).post(create))
+        .route("/arenas/{name}", get(show).delete(delete))
+}
+
 /// `GET /v1/arenas`: those that ship with the program, then uploaded ones by name.
-pub async fn list(State(app): State<App>) -> Result<Response, Refusal> {
+async fn list(State(app): State<App>) -> Result<Response, Refusal> {
     app.blocking(|app| {
         let mut items: Vec<ArenaListing> = BuiltinArenas
             .names()
@@ -37,7 +44,7 @@ pub async fn list(State(app): State<App>) -> Result<Response, Refusal> {
 }
 
 /// `POST /v1/arenas`: generated walls are written out. The very same arena again is no error.
-pub async fn create(
+async fn create(
     State(app): State<App>,
     headers: HeaderMap,
     body: Result<Bytes, BytesRejection>,
@@ -77,7 +84,7 @@ pub async fn create(
 }
 
 /// `GET /v1/arenas/{name}` as JSON, `GET /v1/arenas/{name}.svg` as a drawing.
-pub async fn show(State(app): State<App>, Path(name): Path<String>) -> Result<Response, Refusal> {
+async fn show(State(app): State<App>, Path(name): Path<String>) -> Result<Response, Refusal> {
     app.blocking(move |app| {
         let arenas = StoredArenas::new(&app.store);
         // Names may hold dots, so an arena called `x.svg` comes before the drawing of `x`.
@@ -99,10 +106,7 @@ pub async fn show(State(app): State<App>, Path(name): Path<String>) -> Result<Re
 }
 
 /// `DELETE /v1/arenas/{name}`: of an uploaded arena that no stored run uses.
-pub async fn delete(
-    State(app): State<App>,
-    Path(name): Path<String>,
-) -> Result<StatusCode, Refusal> {
+async fn delete(State(app): State<App>, Path(name): Path<String>) -> Result<StatusCode, Refusal> {
     app.blocking(move |app| {
         if BuiltinArenas.arena(&name).is_some() {
             return Err(Refusal::conflict("a built-in arena cannot be deleted"));
@@ -120,7 +124,7 @@ pub async fn delete(
 
 fn listing(app: &App, arena: &Arena, builtin: bool) -> ArenaListing {
     let radius_m = SvgOptions::default().body_radius_m;
-    let mask = app.pictures.mask(arena, radius_m);
+    let mask = app.findings.mask(arena, radius_m);
     let reachable = mask.map_or(0, |mask| mask.iter().filter(|&&reached| reached).count());
     ArenaListing {
         name: arena.name().to_owned(),

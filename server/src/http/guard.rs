@@ -17,21 +17,12 @@ use sha2::{Digest, Sha256};
 use tokio::sync::Semaphore;
 
 use super::refusal::Refusal;
+use super::{health, page};
 
 /// Requests answered at a time.
 const MAX_CONCURRENT: usize = 128;
 /// Longest time for an answer, and for the body of a job.
 pub const TIMEOUT: Duration = Duration::from_secs(60);
-/// Routes that tell nothing of jobs, for which no token is needed.
-const OPEN: [&str; 6] = [
-    "/",
-    "/page.css",
-    "/page.js",
-    "/chart.js",
-    "/health/livez",
-    "/health/readyz",
-];
-
 /// The rules of one listening server.
 #[derive(Clone)]
 pub struct Gate {
@@ -68,9 +59,7 @@ impl Gate {
             return Err(Refusal::new(StatusCode::FORBIDDEN, detail));
         }
         match self.token {
-            Some(token)
-                if !OPEN.contains(&request.uri().path()) && bearer(headers) != Some(token) =>
-            {
+            Some(token) if !is_open(request.uri().path()) && bearer(headers) != Some(token) => {
                 let detail = "send the header Authorization: Bearer, with the server's token";
                 Err(Refusal::new(StatusCode::UNAUTHORIZED, detail))
             }
@@ -103,6 +92,11 @@ pub async fn guard(State(gate): State<Gate>, request: Request, next: Next) -> Re
         HeaderValue::from_static("nosniff"),
     );
     response
+}
+
+/// Whether a route tells nothing of jobs, so that no token is needed.
+fn is_open(path: &str) -> bool {
+    page::is_asset(path) || health::is_health(path)
 }
 
 fn is_submission(request: &Request) -> bool {

@@ -1,23 +1,36 @@
 //! `/v1/jobs`: post, list, show, pause, resume, cancel, delete, and a job's runs.
 
 use api::{JobPage, RunPage};
-use axum::Json;
 use axum::body::Bytes;
-use axum::extract::{FromRequest, Path, Request, State};
-use axum::http::header::{CONTENT_TYPE, LOCATION};
+use axum::extract::{FromRequest, Request, State};
+use axum::http::header::LOCATION;
 use axum::http::{StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
+use axum::routing::{get, post};
+use axum::{Json, Router};
 
+use super::extract::FoundJob;
 use super::guard::TIMEOUT;
 use super::refusal::Refusal;
 use super::request::{idempotency_key, json_body, page, parse};
 use super::{App, views};
 use crate::documents::{expand, run_count};
 use crate::scheduler::{StoredArenas, new_job};
-use crate::store::{Created, Intent, JobRequest, JobSeq, JobView};
+use crate::store::{Created, Intent, JobRequest, JobView};
+
+pub fn routes() -> Router<App> {
+    Router::new()
+        .route("/jobs", get(list).post(create))
+        .route("/jobs/{id}", get(show).delete(delete))
+        .route("/jobs/{id}/runs", get(runs))
+        .route("/jobs/{id}/cancel", post(cancel))
+        .route("/jobs/{id}/pause", post(pause))
+        .route("/jobs/{id}/resume", post(resume))
+        .route("/jobs/{id}/retry", post(retry))
+}
 
 /// `POST /v1/jobs`.
-pub async fn create(State(app): State<App>, request: Request) -> Result<Response, Refusal> {
+async fn create(State(app): State<App>, request: Request) -> Result<Response, Refusal> {
     let headers = request.headers().clone();
     let idempotency_key = idempotency_key(&headers)?;
     let body = tokio::time::timeout(TIMEOUT, Bytes::from_request(request, &()))
@@ -39,7 +52,7 @@ pub async fn create(State(app): State<App>, request: Request) -> Result<Response
                 seq
             }
         };
-        let shown = views::job(&found(app, seq)?, &app.scheduler);
+        let shown = views::job(&app.job(seq)?, &app.scheduler);
         let location = [(LOCATION, format!("/v1/jobs/{seq}"))];
         Ok((StatusCode::CREATED, location, Json(shown)).into_response())
     })
@@ -47,7 +60,7 @@ pub async fn create(State(app): State<App>, request: Request) -> Result<Response
 }
 
 /// `GET /v1/jobs`: newest first.
-pub async fn list(State(app): State<App>, uri: Uri) -> Result<Json<JobPage>, Refusal> {
+async fn list(State(app): State<App>, uri: Uri) -> Result<Json<JobPage>, Refusal> {
     let page = page(&uri)?;
     app.blocking(move |app| {
         let mut jobs = app.store.jobs(page.cursor, page.limit + 1)?;
@@ -64,29 +77,23 @@ pub async fn list(State(app): State<App>, uri: Uri) -> Result<Json<JobPage>, Ref
 }
 
 /// `GET /v1/jobs/{id}`.
-pub async fn show(
-    State(app): State<App>,
-    Path(id): Path<String>,
-) -> Result<Json<api::Job>, Refusal> {
-    let seq = job_seq(&id)?;
-    app.blocking(move |app| Ok(Json(views::job(&found(app, seq)?, &app.scheduler))))
-        .await
+async fn show(State(app): State<App>, FoundJob(job): FoundJob) -> Json<api::Job> {
+    Json(views::job(&job, &app.scheduler))
 }
 
 /// `GET /v1/jobs/{id}/runs`: in order of their places in the job.
-pub async fn runs(
+async fn runs(
     State(app): State<App>,
-    Path(id): Path<String>,
+    FoundJob(job): FoundJob,
     uri: Uri,
 ) -> Result<Json<RunPage>, Refusal> {
-    let (seq, page) = (job_seq(&id)?, page(&uri)?);
+    let page = page(&uri)?;
     app.blocking(move |app| {
-        found(app, seq)?;
         let from = page
             .cursor
             .and_then(|cursor| u64::try_from(cursor).ok())
             .unwrap_or(0);
-        let mut runs = app.store.runs(seq, from, page.limit + 1)?;
+        let mut runs = app.store.runs(job.seq, from, page.limit + 1)?;
         let rest = runs.split_off(runs.len().min(page.limit as usize));
         let next = rest.first().map(|run| run.ordinal.to_string());
         let items = runs
@@ -99,98 +106,59 @@ pub async fn runs(
 }
 
 /// `POST /v1/jobs/{id}/cancel`.
-pub async fn cancel(
+async fn cancel(
     State(app): State<App>,
-    Path(id): Path<String>,
+    FoundJob(job): FoundJob,
 ) -> Result<Json<api::Job>, Refusal> {
-    want(app, id, Intent::Cancelled).await
+    want(app, job, Intent::Cancelled).await
 }
 
 /// `POST /v1/jobs/{id}/pause`.
-pub async fn pause(
-    State(app): State<App>,
-    Path(id): Path<String>,
-) -> Result<Json<api::Job>, Refusal> {
-    want(app, id, Intent::Paused).await
+async fn pause(State(app): State<App>, FoundJob(job): FoundJob) -> Result<Json<api::Job>, Refusal> {
+    want(app, job, Intent::Paused).await
 }
 
 /// `POST /v1/jobs/{id}/resume`.
-pub async fn resume(
+async fn resume(
     State(app): State<App>,
-    Path(id): Path<String>,
+    FoundJob(job): FoundJob,
 ) -> Result<Json<api::Job>, Refusal> {
-    want(app, id, Intent::Active).await
+    want(app, job, Intent::Active).await
 }
 
 /// `POST /v1/jobs/{id}/retry`: failed and cancelled runs wait again, from their beginning.
-pub async fn retry(
-    State(app): State<App>,
-    Path(id): Path<String>,
-) -> Result<Json<api::Job>, Refusal> {
-    let seq = job_seq(&id)?;
+async fn retry(State(app): State<App>, FoundJob(job): FoundJob) -> Result<Json<api::Job>, Refusal> {
     app.blocking(move |app| {
-        let before = found(app, seq)?;
-        let state = before.intent.job_state(&before.counts);
+        let state = job.intent.job_state(&job.counts);
         if !state.is_final() {
             return Err(Refusal::conflict(format!("the job is {state}")));
         }
-        app.scheduler.retry(seq)?;
-        Ok(Json(views::job(&found(app, seq)?, &app.scheduler)))
+        app.scheduler.retry(job.seq)?;
+        Ok(Json(views::job(&app.job(job.seq)?, &app.scheduler)))
     })
     .await
 }
 
 /// `DELETE /v1/jobs/{id}`: whatever its state, with the runs and results that only it has.
-pub async fn delete(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Refusal> {
-    let seq = job_seq(&id)?;
+async fn delete(State(app): State<App>, FoundJob(job): FoundJob) -> Result<StatusCode, Refusal> {
     app.blocking(move |app| {
-        found(app, seq)?;
-        app.scheduler.delete(seq)?;
+        app.scheduler.delete(job.seq)?;
         Ok(StatusCode::NO_CONTENT)
     })
     .await
 }
 
 /// Changes what is wanted of a job; wanting the same again is no error.
-async fn want(app: App, id: String, intent: Intent) -> Result<Json<api::Job>, Refusal> {
-    let seq = job_seq(&id)?;
+async fn want(app: App, job: JobView, intent: Intent) -> Result<Json<api::Job>, Refusal> {
     app.blocking(move |app| {
-        let before = found(app, seq)?;
-        if before.intent != intent {
-            let state = before.intent.job_state(&before.counts);
+        if job.intent != intent {
+            let state = job.intent.job_state(&job.counts);
             if state.is_final() {
                 return Err(Refusal::conflict(format!("the job is {state} already")));
             }
-            app.scheduler.set_intent(seq, intent)?;
+            app.scheduler.set_intent(job.seq, intent)?;
         }
-        Ok(Json(views::job(&found(app, seq)?, &app.scheduler)))
+        Ok(Json(views::job(&app.job(job.seq)?, &app.scheduler)))
     })
     .await
-}
-
-/// Answers with a text that is made of a job.
-pub async fn text(
-    app: App,
-    id: String,
-    media_type: &'static str,
-    make: impl FnOnce(&App, JobSeq) -> Result<String, Refusal> + Send + 'static,
-) -> Result<Response, Refusal> {
-    let seq = job_seq(&id)?;
-    app.blocking(move |app| {
-        let body = make(app, seq)?;
-        Ok(([(CONTENT_TYPE, media_type)], body).into_response())
-    })
-    .await
-}
-
-/// A job's key from its id.
-pub fn job_seq(id: &str) -> Result<JobSeq, Refusal> {
-    id.parse().map_err(|_| Refusal::not_found("job", id))
-}
-
-/// The job of this key.
-pub fn found(app: &App, seq: JobSeq) -> Result<JobView, Refusal> {
-    app.store
-        .job(seq)?
-        .ok_or_else(|| Refusal::not_found("job", &seq.to_string()))
 }

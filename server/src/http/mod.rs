@@ -2,33 +2,32 @@
 //! or compute runs on threads made for that.
 
 mod arenas;
-mod coverage;
+mod catalog;
+mod extract;
+mod files;
 mod guard;
+mod health;
+mod job_findings;
 mod jobs;
 mod page;
-mod pictures;
 mod refusal;
-mod report;
 mod request;
 mod runs;
 mod serve;
-mod summary;
 #[cfg(test)]
 mod tests;
 mod views;
 
 use std::sync::Arc;
 
-use axum::extract::{DefaultBodyLimit, State};
+use axum::extract::DefaultBodyLimit;
 use axum::http::{Method, StatusCode, Uri};
-use axum::routing::{get, post};
-use axum::{Json, Router, middleware};
-use serde_json::{Value, json};
+use axum::{Router, middleware};
 
+use crate::findings::Assembler;
 use crate::scheduler::Scheduler;
-use crate::store::Store;
+use crate::store::{JobSeq, JobView, RunView, Store};
 use guard::Gate;
-use pictures::Pictures;
 use refusal::Refusal;
 pub use serve::{ServeOptions, serve};
 
@@ -37,7 +36,7 @@ pub use serve::{ServeOptions, serve};
 struct App {
     store: Arc<Store>,
     scheduler: Arc<Scheduler>,
-    pictures: Arc<Pictures>,
+    findings: Arc<Assembler>,
 }
 
 impl App {
@@ -51,69 +50,39 @@ impl App {
             .await
             .unwrap_or_else(|error| Err(Refusal::internal(&error)))
     }
+
+    /// The job of this key.
+    fn job(&self, seq: JobSeq) -> Result<JobView, Refusal> {
+        self.store
+            .job(seq)?
+            .ok_or_else(|| Refusal::not_found("job", &seq.to_string()))
+    }
+
+    /// The run of this id.
+    fn run(&self, id: &str) -> Result<RunView, Refusal> {
+        self.store
+            .run(id)?
+            .ok_or_else(|| Refusal::not_found("run", id))
+    }
 }
 
 /// Every route, behind the gate.
 fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, token: Option<&str>) -> Router {
     let app = App {
+        findings: Arc::new(Assembler::new(Arc::clone(&store), Arc::clone(&scheduler))),
         store,
         scheduler,
-        pictures: Arc::default(),
     };
     let v1 = Router::new()
-        .route("/jobs", get(jobs::list).post(jobs::create))
-        .route("/jobs/{id}", get(jobs::show).delete(jobs::delete))
-        .route("/jobs/{id}/runs", get(jobs::runs))
-        .route("/jobs/{id}/summary", get(summary::as_json))
-        .route("/jobs/{id}/summary.csv", get(summary::as_csv))
-        .route("/jobs/{id}/summary.md", get(summary::as_markdown))
-        .route("/jobs/{id}/report", get(report::claims))
-        .route("/jobs/{id}/report.html", get(report::html))
-        .route("/jobs/{id}/report.md", get(report::markdown))
-        .route("/jobs/{id}/report.csv", get(report::csv))
-        .route("/jobs/{id}/cancel", post(jobs::cancel))
-        .route("/jobs/{id}/retry", post(jobs::retry))
-        .route("/jobs/{id}/pause", post(jobs::pause))
-        .route("/jobs/{id}/resume", post(jobs::resume))
-        .route("/runs/{id}", get(runs::show))
-        .route("/runs/{id}/spec", get(runs::spec))
-        .route("/runs/{id}/result", get(runs::result))
-        .route("/runs/{id}/memory", get(runs::memory))
-        .route("/runs/{id}/channels", get(runs::channels))
-        .route("/runs/{id}/cancel", post(runs::cancel))
-        .route("/runs/{id}/curve", get(coverage::curve))
-        .route("/runs/{id}/curve.csv", get(coverage::curve_as_csv))
-        .route("/runs/{id}/metrics", get(coverage::metrics))
-        .route("/runs/{id}/metrics.csv", get(coverage::metrics_as_csv))
-        .route("/runs/{id}/objects", get(coverage::objects))
-        .route("/runs/{id}/objects.csv", get(coverage::objects_as_csv))
-        .route("/runs/{id}/robots.csv", get(coverage::robots_as_csv))
-        .route("/runs/{id}/coverage", get(coverage::visits_as_json))
-        .route("/runs/{id}/coverage.png", get(coverage::visits_as_png))
-        .route("/runs/{id}/coverage.svg", get(coverage::visits_as_svg))
-        .route("/runs/{id}/coverage.csv", get(coverage::visits_as_csv))
-        .route("/runs/{id}/coverage.npy", get(coverage::visits_as_npy))
-        .route("/runs/{id}/dwell.npy", get(coverage::dwell_as_npy))
-        .route("/arenas", get(arenas::list).post(arenas::create))
-        .route("/arenas/{name}", get(arenas::show).delete(arenas::delete))
-        .route(
-            "/controllers",
-            get(async || Json(crate::documents::controllers())),
-        )
-        .route(
-            "/templates",
-            get(async || Json(json!({ "items": crate::documents::templates() }))),
-        );
+        .merge(jobs::routes())
+        .merge(job_findings::routes())
+        .merge(runs::routes())
+        .merge(files::routes())
+        .merge(arenas::routes())
+        .merge(catalog::routes());
     Router::new()
-        .route("/", get(page::html))
-        .route("/page.css", get(page::css))
-        .route("/page.js", get(page::js))
-        .route("/chart.js", get(page::chart))
-        .route(
-            "/health/livez",
-            get(async || Json(json!({ "status": "ok" }))),
-        )
-        .route("/health/readyz", get(readyz))
+        .merge(page::routes())
+        .merge(health::routes())
         .nest("/v1", v1)
         .fallback(async |uri: Uri| Refusal::not_found("page", uri.path()))
         .method_not_allowed_fallback(async |method: Method| {
@@ -126,13 +95,4 @@ fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, token: Option<&str>) -> 
             guard::guard,
         ))
         .with_state(app)
-}
-
-/// `GET /health/readyz`: whether the database answers.
-async fn readyz(State(app): State<App>) -> Result<Json<Value>, Refusal> {
-    app.blocking(|app| {
-        app.store.ping()?;
-        Ok(Json(json!({ "status": "ok" })))
-    })
-    .await
 }

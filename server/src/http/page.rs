@@ -1,48 +1,67 @@
 //! `/`: the page for people, made of files inside the binary; it needs nothing from elsewhere.
 
-use axum::http::HeaderName;
+use axum::Router;
 use axum::http::header::{CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE};
-use axum::response::IntoResponse;
+use axum::routing::get;
+use std::borrow::Cow;
+
+use super::{App, files};
 
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; \
     img-src 'self' blob: data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-fn headers(media_type: &'static str) -> [(HeaderName, &'static str); 3] {
-    [
-        (CONTENT_TYPE, media_type),
-        (CACHE_CONTROL, "no-cache"),
-        (CONTENT_SECURITY_POLICY, POLICY),
-    ]
+const HTML: &str = "text/html; charset=utf-8";
+const CSS: &str = "text/css; charset=utf-8";
+const JS: &str = "text/javascript; charset=utf-8";
+
+/// A file of the page.
+struct Asset {
+    path: &'static str,
+    media_type: &'static str,
+    text: fn() -> Cow<'static, str>,
 }
 
-/// `GET /`.
-pub async fn html() -> impl IntoResponse {
-    (
-        headers("text/html; charset=utf-8"),
-        include_str!("../../assets/page.html"),
-    )
+/// Every file of the page.
+const ASSETS: &[Asset] = &[
+    Asset {
+        path: "/",
+        media_type: HTML,
+        text: || include_str!("../../assets/page.html").into(),
+    },
+    Asset {
+        path: "/page.css",
+        media_type: CSS,
+        text: || include_str!("../../assets/page.css").into(),
+    },
+    Asset {
+        path: "/page.js",
+        media_type: JS,
+        text: || include_str!("../../assets/page.js").into(),
+    },
+    Asset {
+        path: "/chart.js",
+        media_type: JS,
+        text: || include_str!("../../assets/chart.js").into(),
+    },
+    Asset {
+        path: "/files.js",
+        media_type: JS,
+        text: || files::script().into(),
+    },
+];
+
+pub fn routes() -> Router<App> {
+    ASSETS.iter().fold(Router::new(), |router, asset| {
+        let headers = [
+            (CONTENT_TYPE, asset.media_type),
+            (CACHE_CONTROL, "no-cache"),
+            (CONTENT_SECURITY_POLICY, POLICY),
+        ];
+        router.route(asset.path, get(async move || (headers, (asset.text)())))
+    })
 }
 
-/// `GET /page.css`.
-pub async fn css() -> impl IntoResponse {
-    (
-        headers("text/css; charset=utf-8"),
-        include_str!("../../assets/page.css"),
-    )
-}
-
-/// `GET /page.js`.
-pub async fn js() -> impl IntoResponse {
-    (
-        headers("text/javascript; charset=utf-8"),
-        include_str!("../../assets/page.js"),
-    )
-}
-
-/// `GET /chart.js`.
-pub async fn chart() -> impl IntoResponse {
-    (
-        headers("text/javascript; charset=utf-8"),
-        include_str!("../../assets/chart.js"),
-    )
+/// Whether this is the path of a file of the page, which tells nothing of jobs.
+pub fn is_asset(path: &str) -> bool {
+    ASSETS.iter().any(|asset| asset.path == path)
 }

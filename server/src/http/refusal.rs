@@ -5,6 +5,7 @@ use axum::http::header::{CONTENT_TYPE, RETRY_AFTER};
 use axum::http::{HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
 
+use crate::findings::FindingsError;
 use crate::store::{CreateJobError, SaveArenaError, StoreError};
 
 /// A problem, ready to be sent.
@@ -99,6 +100,22 @@ impl IntoResponse for Refusal {
 impl From<StoreError> for Refusal {
     fn from(error: StoreError) -> Self {
         Self::internal(&error)
+    }
+}
+
+impl From<FindingsError> for Refusal {
+    fn from(error: FindingsError) -> Self {
+        match error {
+            FindingsError::NotKept(_) | FindingsError::Unfinished { .. } => {
+                Self::conflict(error.to_string())
+            }
+            FindingsError::RunGone(_) | FindingsError::NoReport(_) => {
+                Self::new(StatusCode::NOT_FOUND, error.to_string())
+            }
+            FindingsError::Broken { .. }
+            | FindingsError::Store(_)
+            | FindingsError::Checkpoint(_) => Self::internal(&error),
+        }
     }
 }
 

@@ -1,59 +1,57 @@
-//! `/v1/runs/{id}`: show, spec, result, channels, cancel.
+//! `/v1/runs/{id}`: show, spec, result, memory, channels, cancel.
 
 use api::{MemoryPlan, RunResult, RunSummary};
-use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::State;
 use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse, Response};
+use axum::routing::{get, post};
+use axum::{Json, Router};
 
+use super::extract::FoundRun;
 use super::refusal::Refusal;
 use super::{App, views};
 use crate::artifacts::memory_plan;
 use crate::channels::{Extent, describe};
-use crate::documents::{ResolvedRun, parse, resolve};
-use crate::scheduler::StoredArenas;
-use crate::store::RunView;
+
+pub fn routes() -> Router<App> {
+    Router::new()
+        .route("/runs/{id}", get(show))
+        .route("/runs/{id}/spec", get(spec))
+        .route("/runs/{id}/result", get(result))
+        .route("/runs/{id}/memory", get(memory))
+        .route("/runs/{id}/channels", get(channels))
+        .route("/runs/{id}/cancel", post(cancel))
+}
 
 /// `GET /v1/runs/{id}`.
-pub async fn show(
-    State(app): State<App>,
-    Path(id): Path<String>,
-) -> Result<Json<RunSummary>, Refusal> {
-    app.blocking(move |app| Ok(Json(views::run(&found(app, &id)?, &app.scheduler))))
-        .await
+async fn show(State(app): State<App>, FoundRun(run): FoundRun) -> Json<RunSummary> {
+    Json(views::run(&run, &app.scheduler))
 }
 
 /// `GET /v1/runs/{id}/spec`: every default filled in, byte for byte as `spec.json` has it.
-pub async fn spec(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Refusal> {
+async fn spec(State(app): State<App>, FoundRun(run): FoundRun) -> Result<Response, Refusal> {
     app.blocking(move |app| {
-        let text = spec_text(app, &found(app, &id)?)?;
+        let text = app.findings.spec_text(&run)?;
         Ok(([(CONTENT_TYPE, "application/json")], text).into_response())
     })
     .await
 }
 
 /// `GET /v1/runs/{id}/result`: what `result.json` holds, once the run is done.
-pub async fn result(
-    State(app): State<App>,
-    Path(id): Path<String>,
-) -> Result<Json<RunResult>, Refusal> {
-    app.blocking(move |app| {
-        let run = found(app, &id)?;
-        let state = run.state.state();
-        run.result
-            .map(Json)
-            .ok_or_else(|| Refusal::conflict(format!("the run has no result: it is {state}")))
-    })
-    .await
+async fn result(FoundRun(run): FoundRun) -> Result<Json<RunResult>, Refusal> {
+    let state = run.state.state();
+    run.result
+        .map(Json)
+        .ok_or_else(|| Refusal::conflict(format!("the run has no result: it is {state}")))
 }
 
 /// `GET /v1/runs/{id}/memory`: what each robot's learner may hold, known before the run starts.
-pub async fn memory(
+async fn memory(
     State(app): State<App>,
-    Path(id): Path<String>,
+    FoundRun(run): FoundRun,
 ) -> Result<Json<MemoryPlan>, Refusal> {
     app.blocking(move |app| {
-        let spec = resolved(app, &found(app, &id)?)?.run_spec();
+        let spec = app.findings.resolved(&run)?.run_spec();
         let plan = swarm::memory::MemoryPlan::of(&spec);
         // Specs whose budget has no plan are refused when they are posted.
         let plan = plan.map_err(|error| Refusal::internal(&error))?;
@@ -64,11 +62,12 @@ pub async fn memory(
 
 /// `GET /v1/runs/{id}/channels`: what a program needs to open the run's channels; empty when it has
 /// none.
-pub async fn channels(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Refusal> {
+async fn channels(State(app): State<App>, FoundRun(run): FoundRun) -> Result<Response, Refusal> {
     app.blocking(move |app| {
-        let run = resolved(app, &found(app, &id)?)?;
-        let channels = if run.channels() {
-            describe(app.scheduler.channels(), &id, Extent::of(&run.run_spec()))
+        let spec = app.findings.resolved(&run)?;
+        let channels = if spec.channels() {
+            let extent = Extent::of(&spec.run_spec());
+            describe(app.scheduler.channels(), &run.id, extent)
                 .map_err(|error| Refusal::internal(&error))?
         } else {
             Vec::new()
@@ -79,14 +78,13 @@ pub async fn channels(State(app): State<App>, Path(id): Path<String>) -> Result<
 }
 
 /// `POST /v1/runs/{id}/cancel`: in every job that has it.
-pub async fn cancel(
+async fn cancel(
     State(app): State<App>,
-    Path(id): Path<String>,
+    FoundRun(run): FoundRun,
 ) -> Result<Json<RunSummary>, Refusal> {
     app.blocking(move |app| {
-        let run = found(app, &id)?;
         let ended = !app.scheduler.cancel_run(run.seq)?;
-        let after = found(app, &id)?;
+        let after = app.run(&run.id)?;
         let state = after.state.state();
         if ended && state != api::State::Cancelled {
             return Err(Refusal::conflict(format!("the run is {state} already")));
@@ -94,25 +92,4 @@ pub async fn cancel(
         Ok(Json(views::run(&after, &app.scheduler)))
     })
     .await
-}
-
-/// The run of this id.
-pub fn found(app: &App, id: &str) -> Result<RunView, Refusal> {
-    app.store
-        .run(id)?
-        .ok_or_else(|| Refusal::not_found("run", id))
-}
-
-/// The run's spec, resolved again.
-pub fn resolved(app: &App, run: &RunView) -> Result<ResolvedRun, Refusal> {
-    let text = spec_text(app, run)?;
-    parse(&text)
-        .and_then(|value| resolve(&value, &StoredArenas::new(&app.store)))
-        .map_err(|errors| Refusal::internal(&format!("the spec of {}: {errors:?}", run.id)))
-}
-
-fn spec_text(app: &App, run: &RunView) -> Result<String, Refusal> {
-    app.store
-        .spec(run.seq)?
-        .ok_or_else(|| Refusal::not_found("run", &run.id))
 }

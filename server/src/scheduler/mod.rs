@@ -30,7 +30,7 @@ pub use arenas::StoredArenas;
 use attempt::Ended;
 pub use block::Block;
 use live::LiveRun;
-pub use live::View;
+pub use live::{View, findings_of};
 pub use pace::Pace;
 pub use progress::share;
 use queue::FairQueue;

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod access;
+mod damage;
 mod jobs;
 mod objects;
 mod report;
@@ -15,6 +16,7 @@ use axum::http::header::{
 };
 use axum::http::request::Builder;
 use axum::http::{HeaderMap, Request};
+use serde_json::{Value, json};
 use tower::ServiceExt;
 
 use super::*;
@@ -23,7 +25,7 @@ use crate::scheduler::SchedulerConfig;
 
 struct Service {
     routes: Router,
-    _dir: tempfile::TempDir,
+    dir: tempfile::TempDir,
 }
 
 struct Answer {
@@ -55,7 +57,7 @@ impl Service {
         let scheduler = Arc::new(Scheduler::start(Arc::clone(&store), config).unwrap());
         Self {
             routes: router(store, scheduler, token),
-            _dir: dir,
+            dir,
         }
     }
 

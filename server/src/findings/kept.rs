@@ -1,0 +1,106 @@
+//! What is dear to make and asked for again: pictures, the squares that a robot can reach, and
+//! reports.
+
+use std::hash::Hash;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use arenas::Arena;
+use bytes::Bytes;
+use hashlink::LruCache;
+use sha2::{Digest, Sha256};
+
+use crate::reproduce::Report;
+use crate::store::JobSeq;
+
+/// Files kept, of some 50 kB each.
+const FILES: usize = 128;
+/// Masks kept, of a byte a square.
+const MASKS: usize = 64;
+/// Reports kept, of some megabytes each.
+const REPORTS: usize = 4;
+
+type Key = [u8; 32];
+
+/// The latest of each; the least recently used give way.
+pub struct Kept {
+    /// By the tag of what they show.
+    files: Mutex<LruCache<String, Bytes>>,
+    masks: Mutex<LruCache<Key, Option<Arc<[bool]>>>>,
+    /// Of jobs that are done: these do not change, and no job's number is used again.
+    reports: Mutex<LruCache<JobSeq, Arc<Report>>>,
+}
+
+impl Default for Kept {
+    fn default() -> Self {
+        Self {
+            files: Mutex::new(LruCache::new(FILES)),
+            masks: Mutex::new(LruCache::new(MASKS)),
+            reports: Mutex::new(LruCache::new(REPORTS)),
+        }
+    }
+}
+
+impl Kept {
+    /// The file of this tag, made only if it is not kept.
+    pub fn file<E>(&self, tag: &str, make: impl FnOnce() -> Result<Bytes, E>) -> Result<Bytes, E> {
+        kept(&self.files, tag.to_owned(), make)
+    }
+
+    /// The report of this job, made only if it is not kept, and kept only if it can be made.
+    pub fn report<E>(
+        &self,
+        job: JobSeq,
+        make: impl FnOnce() -> Result<Report, E>,
+    ) -> Result<Arc<Report>, E> {
+        kept(&self.reports, job, || make().map(Arc::new))
+    }
+
+    /// The squares that a robot of this radius can reach from the arena's first start.
+    pub fn mask(&self, arena: &Arena, body_radius_m: f64) -> Option<Arc<[bool]>> {
+        let mut hash = Sha256::new();
+        hash.update(body_radius_m.to_le_bytes());
+        hash.update(arena.content_key());
+        let made: Result<_, std::convert::Infallible> =
+            kept(&self.masks, hash.finalize().into(), || {
+                let start = arena.starts().first();
+                let mask = start.map(|start| arenas::reachable(arena, *start, body_radius_m).mask);
+                Ok(mask.map(Arc::from))
+            });
+        let Ok(mask) = made;
+        mask
+    }
+}
+
+/// The value of this key. It is made without the lock, at worst twice at a time.
+fn kept<K: Hash + Eq, V: Clone, E>(
+    cache: &Mutex<LruCache<K, V>>,
+    key: K,
+    make: impl FnOnce() -> Result<V, E>,
+) -> Result<V, E> {
+    if let Some(value) = lock(cache).get(&key) {
+        return Ok(value.clone());
+    }
+    let value = make()?;
+    lock(cache).insert(key, value.clone());
+    Ok(value)
+}
+
+fn lock<K, V>(cache: &Mutex<LruCache<K, V>>) -> MutexGuard<'_, LruCache<K, V>> {
+    cache.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn what_is_kept_is_made_once_and_failures_are_not_kept() {
+        let kept = Kept::default();
+        let make = |byte: u8| move || Ok::<_, ()>(Bytes::from(vec![byte]));
+        assert_eq!(kept.file("a", || Err(7)), Err(7));
+        assert_eq!(kept.file("a", make(1)).unwrap()[0], 1);
+        assert_eq!(kept.file("a", make(2)).unwrap()[0], 1);
+        assert_eq!(kept.file("b", make(3)).unwrap()[0], 3);
+    }
+}

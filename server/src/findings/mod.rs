@@ -1,0 +1,34 @@
+//! What runs and jobs have found: live from a worker, stored, or from a checkpoint; pooled into a
+//! summary or judged in a report. Whoever shows it (HTTP today) only translates.
+
+mod error;
+mod kept;
+mod report;
+mod run;
+mod summary;
+
+use std::sync::Arc;
+
+pub use error::FindingsError;
+use kept::Kept;
+
+use crate::scheduler::Scheduler;
+use crate::store::Store;
+
+/// Assembles what has been found.
+pub struct Assembler {
+    store: Arc<Store>,
+    scheduler: Arc<Scheduler>,
+    kept: Kept,
+}
+
+impl Assembler {
+    /// Over this store, and over what workers of this scheduler know right now.
+    pub fn new(store: Arc<Store>, scheduler: Arc<Scheduler>) -> Self {
+        Self {
+            store,
+            scheduler,
+            kept: Kept::default(),
+        }
+    }
+}

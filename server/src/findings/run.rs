@@ -1,0 +1,150 @@
+//! A run's files at this moment, and what they are made of.
+
+use std::sync::Arc;
+
+use arenas::Arena;
+use bytes::Bytes;
+use sha2::{Digest, Sha256};
+
+use super::{Assembler, FindingsError};
+use crate::artifacts::{Maker, Material, RunFile};
+use crate::documents::{ResolvedRun, parse, resolve};
+use crate::scheduler::{StoredArenas, View};
+use crate::store::{Findings, RunState, RunView};
+
+/// A file at one moment.
+#[derive(Debug)]
+pub struct FileAnswer {
+    /// Names the bytes: equal tags, equal bytes.
+    pub tag: String,
+    /// The bytes; `None` when whoever asked has them.
+    pub body: Option<Bytes>,
+}
+
+impl Assembler {
+    /// A file of a run that is made of its findings. `is_known` tells whether the bytes of a tag
+    /// need not be sent; `curve_points` is the most rows that a curve may have.
+    ///
+    /// # Errors
+    /// When the findings went with the run, or cannot be read.
+    pub fn file(
+        &self,
+        run: &RunView,
+        file: &RunFile,
+        curve_points: Option<usize>,
+        is_known: impl Fn(&str) -> bool,
+    ) -> Result<FileAnswer, FindingsError> {
+        let live = self
+            .scheduler
+            .view(run.seq)
+            .filter(|_| run.state == RunState::Running);
+        let make = || match &live {
+            Some(live) => self.make(run, file, curve_points, &live.findings),
+            None => self.make(run, file, curve_points, &self.stored(run)?),
+        };
+        let Some(moment) = moment(run, live.as_deref()) else {
+            let body = make()?;
+            let digest = Sha256::digest(&body);
+            let tag: String = digest[..16].iter().map(|b| format!("{b:02x}")).collect();
+            let body = Some(body).filter(|_| !is_known(&tag));
+            return Ok(FileAnswer { tag, body });
+        };
+        let route = file.route.unwrap_or_default();
+        let points = curve_points.map(|points| format!("-{points}"));
+        let points = points.unwrap_or_default();
+        let tag = format!(
+            "{}-{}-{moment}-{route}{points}",
+            env!("CARGO_PKG_VERSION"),
+            run.id
+        );
+        if is_known(&tag) {
+            return Ok(FileAnswer { tag, body: None });
+        }
+        let body = match file.is_dear {
+            true => self.kept.file(&tag, make)?,
+            false => make()?,
+        };
+        Ok(FileAnswer {
+            tag,
+            body: Some(body),
+        })
+    }
+
+    fn make(
+        &self,
+        run: &RunView,
+        file: &RunFile,
+        curve_points: Option<usize>,
+        findings: &Findings,
+    ) -> Result<Bytes, FindingsError> {
+        let spec = self.resolved(run)?;
+        let material = Material {
+            spec: &spec,
+            findings,
+            reachable: &|| self.mask(spec.arena(), spec.body_radius_m()),
+            curve_points,
+        };
+        match file.maker {
+            Maker::Findings(make) => Ok(make(&material).into()),
+            Maker::Spec | Maker::Result | Maker::Timing => {
+                Err(FindingsError::broken(&run.id, "no findings make this file"))
+            }
+        }
+    }
+
+    /// What a run that no worker holds has covered; nothing when it has not started.
+    fn stored(&self, run: &RunView) -> Result<Findings, FindingsError> {
+        if matches!(run.state, RunState::Failed { .. } | RunState::Cancelled) {
+            return Err(FindingsError::NotKept(run.state.state()));
+        }
+        // A run that has ended since it was looked up is found here too.
+        if let Some(findings) = self.store.findings(run.seq)? {
+            return Ok(findings);
+        }
+        Ok(self
+            .store
+            .checkpoints()
+            .findings(&run.id)?
+            .unwrap_or_default())
+    }
+
+    /// The run's spec as it is stored: every default filled in.
+    ///
+    /// # Errors
+    /// When the run is gone or the store fails.
+    pub fn spec_text(&self, run: &RunView) -> Result<String, FindingsError> {
+        self.store
+            .spec(run.seq)?
+            .ok_or_else(|| FindingsError::RunGone(run.id.clone()))
+    }
+
+    /// The run's spec, resolved again.
+    ///
+    /// # Errors
+    /// When the run is gone, or its spec is not valid any more.
+    pub fn resolved(&self, run: &RunView) -> Result<ResolvedRun, FindingsError> {
+        parse(&self.spec_text(run)?)
+            .and_then(|value| resolve(&value, &StoredArenas::new(&self.store)))
+            .map_err(|errors| FindingsError::broken(format!("run {}", run.id), told(&errors)))
+    }
+
+    /// The squares that a robot of this radius can reach from the arena's first start.
+    pub fn mask(&self, arena: &Arena, body_radius_m: f64) -> Option<Arc<[bool]>> {
+        self.kept.mask(arena, body_radius_m)
+    }
+}
+
+fn told(errors: &[api::FieldError]) -> String {
+    let errors: Vec<String> = errors.iter().map(ToString::to_string).collect();
+    errors.join("; ")
+}
+
+/// A name for how far the run is, where that decides what it has found: not for one that is let go
+/// of, whose checkpoint may be younger or older than its state.
+fn moment(run: &RunView, live: Option<&View>) -> Option<String> {
+    match (&run.state, live) {
+        (RunState::Running, Some(live)) => Some(live.progress.robot_steps_done.to_string()),
+        (RunState::Done, _) => Some("done".to_owned()),
+        _ => None,
+    }
+}

@@ -1,0 +1,111 @@
+//! A job's finished runs pooled over seeds, from what is stored of them.
+
+use api::{JobSummary, State};
+
+use super::{Assembler, FindingsError};
+use crate::documents::Design;
+use crate::store::{JobSeq, JobView, RunView};
+use crate::summary::{FinishedRun, Input, summary};
+
+impl Assembler {
+    /// The summary of a job as far as it is done.
+    ///
+    /// # Errors
+    /// When the store fails, or holds of one of its runs what cannot be read.
+    pub fn summary(&self, job: &JobView) -> Result<JobSummary, FindingsError> {
+        let seq = job.seq;
+        let runs = self.store.all_runs(seq)?;
+        let designs = self.designs(seq, &runs)?;
+        let parts = parts(&designs, &runs)
+            .ok_or_else(|| broken(seq, "its design is not that of its runs"))?;
+        let robots = parts.iter().map(|part| self.robots(part.first));
+        let input = Input {
+            job_id: seq.to_string(),
+            name: job.name.clone(),
+            runs: runs.len() as u64,
+            robots: robots.collect::<Result<_, _>>()?,
+            labels: parts.into_iter().flat_map(|part| part.labels).collect(),
+            finished: self.finished(&runs)?,
+            designs,
+        };
+        let mut fault = None;
+        let summary = summary(&input, |place| {
+            let run = runs.get(usize::try_from(place).ok()?)?;
+            let findings = self.store.findings(run.seq);
+            let metrics = findings
+                .map_err(|error| fault.get_or_insert(error))
+                .ok()??
+                .metrics;
+            (!metrics.first_entry.is_empty()).then_some((metrics.first_entry, metrics.reachable))
+        });
+        fault.map_or(Ok(summary), |fault| Err(fault.into()))
+    }
+
+    /// What the job varies; one that was stored without is one group.
+    fn designs(&self, job: JobSeq, runs: &[RunView]) -> Result<Vec<Design>, FindingsError> {
+        match self.store.design(job)? {
+            Some(text) => Design::parse(&text).map_err(|error| broken(job, error)),
+            None => Ok(vec![Design {
+                seeds: runs.len(),
+                ..Design::default()
+            }]),
+        }
+    }
+
+    fn finished(&self, runs: &[RunView]) -> Result<Vec<FinishedRun>, FindingsError> {
+        let mut finished = Vec::new();
+        for run in runs {
+            let Some(result) = &run.result else { continue };
+            if run.state.state() == State::Done {
+                finished.push(FinishedRun {
+                    place: run.ordinal,
+                    seed: run.seed,
+                    result: result.clone(),
+                    cpu_ns_per_robot_step: self.store.cost(run.seq)?,
+                });
+            }
+        }
+        Ok(finished)
+    }
+
+    /// Robots of a run, from its stored spec.
+    fn robots(&self, run: &RunView) -> Result<u32, FindingsError> {
+        let why = |why: String| FindingsError::broken(format!("run {}", run.id), why);
+        let text = self.spec_text(run)?;
+        let spec: api::RunSpec =
+            serde_json::from_str(&text).map_err(|error| why(format!("its spec: {error}")))?;
+        spec.robots
+            .ok_or_else(|| why("its spec does not say how many robots it has".to_owned()))
+    }
+}
+
+fn broken(job: JobSeq, why: impl ToString) -> FindingsError {
+    FindingsError::broken(format!("job {job}"), why)
+}
+
+/// The runs of one part of a job.
+struct Part<'a> {
+    first: &'a RunView,
+    /// Of the first run of every combination.
+    labels: Vec<String>,
+}
+
+/// The parts of a job; `None` when its runs are not as many as they have.
+fn parts<'a>(designs: &[Design], runs: &'a [RunView]) -> Option<Vec<Part<'a>>> {
+    let mut rest = runs;
+    let part = |design: &Design| {
+        let count = design.combinations().checked_mul(design.seeds)?;
+        let (part, after) = rest.split_at_checked(count)?;
+        rest = after;
+        Some(Part {
+            first: part.first()?,
+            labels: part
+                .iter()
+                .step_by(design.seeds)
+                .map(|run| run.label.clone())
+                .collect(),
+        })
+    };
+    let parts = designs.iter().map(part).collect::<Option<_>>()?;
+    rest.is_empty().then_some(parts)
+}
