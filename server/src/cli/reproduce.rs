@@ -19,7 +19,7 @@ use crate::channels::ChannelSettings;
 use crate::documents::ExpandedJob;
 use crate::reproduce::{Plan, Report, Settings, replace};
 use crate::scheduler::{Scheduler, SchedulerConfig, new_job, run_memory_bytes};
-use crate::store::{Created, Intent, JobRequest, JobSeq, JobView, RunState, Store};
+use crate::store::{Created, Intent, JobKey, JobRequest, JobView, RunState, Store};
 
 /// Time between two looks at how far the job is.
 const LOOK_EVERY: Duration = Duration::from_millis(250);
@@ -144,7 +144,7 @@ struct ThisTime {
 
 /// Stores the job, unless an earlier execution has; what failed then is tried again. Jobs of other
 /// settings are held, so that only runs of this one are stepped.
-fn submit(store: &Store, job: ExpandedJob) -> anyhow::Result<JobSeq> {
+fn submit(store: &Store, job: ExpandedJob) -> anyhow::Result<JobKey> {
     let ids: Vec<String> = job.runs.iter().map(|run| run.key()).collect();
     let ids = ids.join("\n");
     let mut request = JobRequest::new(ids.as_bytes(), None);
@@ -162,7 +162,7 @@ fn submit(store: &Store, job: ExpandedJob) -> anyhow::Result<JobSeq> {
     Ok(seq)
 }
 
-fn find(store: &Store, seq: JobSeq) -> anyhow::Result<JobView> {
+fn find(store: &Store, seq: JobKey) -> anyhow::Result<JobView> {
     store.job(seq)?.context("the job is gone")
 }
 
@@ -211,7 +211,7 @@ fn finish(
 }
 
 /// What went wrong with the first run that failed.
-fn failure(store: &Store, job: JobSeq) -> anyhow::Result<anyhow::Error> {
+fn failure(store: &Store, job: JobKey) -> anyhow::Result<anyhow::Error> {
     let failed = store
         .all_runs(job)?
         .into_iter()

@@ -2,7 +2,7 @@
 
 use api::State;
 
-use crate::store::{CheckpointError, JobSeq, StoreError};
+use crate::store::{CheckpointError, JobKey, StoreError};
 
 /// Why there is nothing to show.
 #[derive(Debug, thiserror::Error)]
@@ -18,7 +18,7 @@ pub enum FindingsError {
         "job {0} has no report: its runs are not those of the template chapter-5, with epochs, \
          steps, arenas and seeds from 1 on of your choice and nothing else changed"
     )]
-    NoReport(JobSeq),
+    NoReport(JobKey),
     /// The report needs all runs.
     #[error("{done} of {total} runs are done; the report is made of all of them")]
     Unfinished {

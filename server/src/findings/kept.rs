@@ -10,7 +10,7 @@ use hashlink::LruCache;
 use sha2::{Digest, Sha256};
 
 use crate::reproduce::Report;
-use crate::store::JobSeq;
+use crate::store::JobKey;
 
 /// Files kept, of some 50 kB each.
 const FILES: usize = 128;
@@ -27,7 +27,7 @@ pub struct Kept {
     files: Mutex<LruCache<String, Bytes>>,
     masks: Mutex<LruCache<Key, Option<Arc<[bool]>>>>,
     /// Of jobs that are done: these do not change, and no job's number is used again.
-    reports: Mutex<LruCache<JobSeq, Arc<Report>>>,
+    reports: Mutex<LruCache<JobKey, Arc<Report>>>,
 }
 
 impl Default for Kept {
@@ -49,7 +49,7 @@ impl Kept {
     /// The report of this job, made only if it is not kept, and kept only if it can be made.
     pub fn report<E>(
         &self,
-        job: JobSeq,
+        job: JobKey,
         make: impl FnOnce() -> Result<Report, E>,
     ) -> Result<Arc<Report>, E> {
         kept(&self.reports, job, || make().map(Arc::new))

@@ -144,7 +144,7 @@ fn told(errors: &[api::FieldError]) -> String {
 fn moment(run: &RunView, live: Option<&View>) -> Option<String> {
     match (&run.state, live) {
         (RunState::Running, Some(live)) => Some(live.progress.robot_steps_done.to_string()),
-        (RunState::Done, _) => Some("done".to_owned()),
+        (RunState::Done(_), _) => Some("done".to_owned()),
         _ => None,
     }
 }

@@ -4,7 +4,7 @@ use api::{JobSummary, State};
 
 use super::{Assembler, FindingsError};
 use crate::documents::Design;
-use crate::store::{JobSeq, JobView, RunView};
+use crate::store::{JobKey, JobView, RunView};
 use crate::summary::{FinishedRun, Input, summary};
 
 impl Assembler {
@@ -42,7 +42,7 @@ impl Assembler {
     }
 
     /// What the job varies; one that was stored without is one group.
-    fn designs(&self, job: JobSeq, runs: &[RunView]) -> Result<Vec<Design>, FindingsError> {
+    fn designs(&self, job: JobKey, runs: &[RunView]) -> Result<Vec<Design>, FindingsError> {
         match self.store.design(job)? {
             Some(text) => Design::parse(&text).map_err(|error| broken(job, error)),
             None => Ok(vec![Design {
@@ -55,7 +55,7 @@ impl Assembler {
     fn finished(&self, runs: &[RunView]) -> Result<Vec<FinishedRun>, FindingsError> {
         let mut finished = Vec::new();
         for run in runs {
-            let Some(result) = &run.result else { continue };
+            let Some(result) = run.result() else { continue };
             if run.state.state() == State::Done {
                 finished.push(FinishedRun {
                     place: run.ordinal,
@@ -79,7 +79,7 @@ impl Assembler {
     }
 }
 
-fn broken(job: JobSeq, why: impl ToString) -> FindingsError {
+fn broken(job: JobKey, why: impl ToString) -> FindingsError {
     FindingsError::broken(format!("job {job}"), why)
 }
 

@@ -16,7 +16,7 @@ use super::request::{idempotency_key, json_body, page, parse};
 use super::{App, views};
 use crate::documents::{expand, run_count};
 use crate::scheduler::{StoredArenas, new_job};
-use crate::store::{Created, Intent, JobRequest, JobView};
+use crate::store::{Created, Intent, JobKey, JobRequest, JobView};
 
 pub fn routes() -> Router<App> {
     Router::new()
@@ -63,7 +63,7 @@ async fn create(State(app): State<App>, request: Request) -> Result<Response, Re
 async fn list(State(app): State<App>, uri: Uri) -> Result<Json<JobPage>, Refusal> {
     let page = page(&uri)?;
     app.blocking(move |app| {
-        let mut jobs = app.store.jobs(page.cursor, page.limit + 1)?;
+        let mut jobs = app.store.jobs(page.cursor.map(JobKey), page.limit + 1)?;
         let more = jobs.len() > page.limit as usize;
         jobs.truncate(page.limit as usize);
         let next = jobs.last().filter(|_| more).map(|job| job.seq.to_string());

@@ -26,7 +26,7 @@ use axum::{Router, middleware};
 
 use crate::findings::Assembler;
 use crate::scheduler::Scheduler;
-use crate::store::{JobSeq, JobView, RunView, Store};
+use crate::store::{JobKey, JobView, RunView, Store};
 use guard::Gate;
 use refusal::Refusal;
 pub use serve::{ServeOptions, serve};
@@ -52,7 +52,7 @@ impl App {
     }
 
     /// The job of this key.
-    fn job(&self, seq: JobSeq) -> Result<JobView, Refusal> {
+    fn job(&self, seq: JobKey) -> Result<JobView, Refusal> {
         self.store
             .job(seq)?
             .ok_or_else(|| Refusal::not_found("job", &seq.to_string()))

@@ -12,6 +12,7 @@ use super::refusal::Refusal;
 use super::{App, views};
 use crate::artifacts::memory_plan;
 use crate::channels::{Extent, describe};
+use crate::store::RunState;
 
 pub fn routes() -> Router<App> {
     Router::new()
@@ -40,9 +41,12 @@ async fn spec(State(app): State<App>, FoundRun(run): FoundRun) -> Result<Respons
 /// `GET /v1/runs/{id}/result`: what `result.json` holds, once the run is done.
 async fn result(FoundRun(run): FoundRun) -> Result<Json<RunResult>, Refusal> {
     let state = run.state.state();
-    run.result
-        .map(Json)
-        .ok_or_else(|| Refusal::conflict(format!("the run has no result: it is {state}")))
+    match run.state {
+        RunState::Done(result) => Ok(Json(*result)),
+        _ => Err(Refusal::conflict(format!(
+            "the run has no result: it is {state}"
+        ))),
+    }
 }
 
 /// `GET /v1/runs/{id}/memory`: what each robot's learner may hold, known before the run starts.

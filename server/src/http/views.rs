@@ -29,7 +29,7 @@ pub fn run(view: &RunView, scheduler: &Scheduler) -> RunSummary {
         RunState::Queued(position) | RunState::Paused(position) => position
             .as_ref()
             .map(|position| stored_progress(position, view)),
-        RunState::Done => Some(Progress {
+        RunState::Done(_) => Some(Progress {
             phase: "done".to_owned(),
             epochs_done: view.epochs_total,
             epochs_total: view.epochs_total,
@@ -51,7 +51,7 @@ pub fn run(view: &RunView, scheduler: &Scheduler) -> RunSummary {
         label: view.label.clone(),
         state: view.state.state(),
         progress,
-        result: view.result.clone(),
+        result: view.result().cloned(),
         error: match &view.state {
             RunState::Failed { reason } => Some(reason.clone()),
             _ => None,

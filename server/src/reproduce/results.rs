@@ -8,7 +8,7 @@ use swarm::spec::EngineKind;
 
 use super::plan::{Plan, PlannedRun};
 use crate::statistics::{Summary, summary};
-use crate::store::Store;
+use crate::store::{RunState, Store};
 
 /// One finished run.
 #[derive(Clone, Debug)]
@@ -161,7 +161,7 @@ impl Findings {
 fn read_run(run: &PlannedRun, store: &Store, key: &str) -> anyhow::Result<Finding> {
     let stored = store.run(key)?.context("it is not stored")?;
     let findings = store.findings(stored.seq)?;
-    let (Some(result), Some(findings)) = (stored.result, findings) else {
+    let (RunState::Done(result), Some(findings)) = (stored.state, findings) else {
         bail!("it is not finished");
     };
     Ok(Finding {
@@ -169,7 +169,7 @@ fn read_run(run: &PlannedRun, store: &Store, key: &str) -> anyhow::Result<Findin
         method: run.method.clone(),
         engine: run.engine,
         seed: run.spec.seed(),
-        result,
+        result: *result,
         p1_by_epoch: findings.curve.iter().map(|row| f64::from(row.p1)).collect(),
         visits: findings.visits,
     })

@@ -23,7 +23,7 @@ use std::time::Duration;
 
 use crate::channels::ChannelSettings;
 use crate::store::{
-    ClaimedRun, CreateJobError, Created, Intent, JobRequest, JobSeq, NewJob, RunSeq, StoppedRun,
+    ClaimedRun, CreateJobError, Created, Intent, JobKey, JobRequest, NewJob, RunKey, StoppedRun,
     Store, StoreError,
 };
 pub use arenas::StoredArenas;
@@ -70,7 +70,7 @@ struct Shared {
 #[derive(Default)]
 struct State {
     queue: FairQueue,
-    live: BTreeMap<RunSeq, Arc<LiveRun>>,
+    live: BTreeMap<RunKey, Arc<LiveRun>>,
     /// Robot-steps a second of the run that was let go of last.
     pace: Option<f64>,
     stopping: bool,
@@ -120,7 +120,7 @@ impl Scheduler {
     ///
     /// # Errors
     /// As there.
-    pub fn admit(&self, request: &JobRequest, runs: u64) -> Result<Option<JobSeq>, CreateJobError> {
+    pub fn admit(&self, request: &JobRequest, runs: u64) -> Result<Option<JobKey>, CreateJobError> {
         let limit = self.shared.config.unfinished_limit;
         self.shared.store.admit(request, runs, limit)
     }
@@ -146,7 +146,7 @@ impl Scheduler {
     ///
     /// # Errors
     /// When the store fails.
-    pub fn set_intent(&self, job: JobSeq, intent: Intent) -> Result<(), StoreError> {
+    pub fn set_intent(&self, job: JobKey, intent: Intent) -> Result<(), StoreError> {
         let _changing = self.changing();
         let store = &self.shared.store;
         let changed = store.set_intent(job, intent)?;
@@ -165,7 +165,7 @@ impl Scheduler {
     ///
     /// # Errors
     /// When the store fails.
-    pub fn retry(&self, job: JobSeq) -> Result<(), StoreError> {
+    pub fn retry(&self, job: JobKey) -> Result<(), StoreError> {
         let _changing = self.changing();
         self.shared.store.retry(job)?;
         let waiting = self.shared.store.waiting(job)?;
@@ -178,7 +178,7 @@ impl Scheduler {
     ///
     /// # Errors
     /// When the store fails.
-    pub fn delete(&self, job: JobSeq) -> Result<(), StoreError> {
+    pub fn delete(&self, job: JobKey) -> Result<(), StoreError> {
         let _changing = self.changing();
         let gone = self.shared.store.delete_job(job)?;
         self.shared.state().queue.remove(job);
@@ -190,14 +190,14 @@ impl Scheduler {
     ///
     /// # Errors
     /// When the store fails.
-    pub fn cancel_run(&self, run: RunSeq) -> Result<bool, StoreError> {
+    pub fn cancel_run(&self, run: RunKey) -> Result<bool, StoreError> {
         let cancelled = self.shared.store.cancel_run(run)?;
         self.shared.let_go(cancelled.as_slice(), true);
         Ok(cancelled.is_some())
     }
 
     /// The latest view of a run that a worker holds.
-    pub fn view(&self, run: RunSeq) -> Option<Arc<View>> {
+    pub fn view(&self, run: RunKey) -> Option<Arc<View>> {
         self.shared.state().live.get(&run)?.view()
     }
 
@@ -257,7 +257,7 @@ impl Shared {
         }
     }
 
-    fn is_wanted(&self, run: RunSeq) -> bool {
+    fn is_wanted(&self, run: RunKey) -> bool {
         self.store.is_unfinished(run).unwrap_or(true)
     }
 
@@ -286,7 +286,7 @@ impl Shared {
     }
 
     /// Waits for a run in the queue and reserves it, so that whoever changes it finds who to tell.
-    fn take(&self) -> Option<(JobSeq, RunSeq, Arc<LiveRun>)> {
+    fn take(&self) -> Option<(JobKey, RunKey, Arc<LiveRun>)> {
         let mut guard = self.state();
         loop {
             let state = &mut *guard;
@@ -305,7 +305,7 @@ impl Shared {
         }
     }
 
-    fn release(&self, run: RunSeq) {
+    fn release(&self, run: RunKey) {
         {
             let mut state = self.state();
             if let Some(live) = state.live.remove(&run) {

@@ -3,28 +3,28 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::ops::Bound;
 
-use crate::store::{JobSeq, RunSeq};
+use crate::store::{JobKey, RunKey};
 
 /// Waiting runs by job. A hint only: the store decides whether a run really still waits.
 #[derive(Debug, Default)]
 pub struct FairQueue {
-    jobs: BTreeMap<JobSeq, VecDeque<RunSeq>>,
-    served: JobSeq,
+    jobs: BTreeMap<JobKey, VecDeque<RunKey>>,
+    served: JobKey,
 }
 
 impl FairQueue {
     /// Adds a run behind the others of its job.
-    pub fn push(&mut self, job: JobSeq, run: RunSeq) {
+    pub fn push(&mut self, job: JobKey, run: RunKey) {
         self.jobs.entry(job).or_default().push_back(run);
     }
 
     /// Puts a run before the others of its job.
-    pub fn push_front(&mut self, job: JobSeq, run: RunSeq) {
+    pub fn push_front(&mut self, job: JobKey, run: RunKey) {
         self.jobs.entry(job).or_default().push_front(run);
     }
 
     /// Replaces what waits of a job.
-    pub fn set(&mut self, job: JobSeq, runs: Vec<RunSeq>) {
+    pub fn set(&mut self, job: JobKey, runs: Vec<RunKey>) {
         if runs.is_empty() {
             self.jobs.remove(&job);
         } else {
@@ -33,12 +33,12 @@ impl FairQueue {
     }
 
     /// Forgets a job.
-    pub fn remove(&mut self, job: JobSeq) {
+    pub fn remove(&mut self, job: JobKey) {
         self.jobs.remove(&job);
     }
 
     /// Takes the first free run of the job whose turn it is, if any job has one.
-    pub fn pop(&mut self, is_free: impl Fn(RunSeq) -> bool) -> Option<(JobSeq, RunSeq)> {
+    pub fn pop(&mut self, is_free: impl Fn(RunKey) -> bool) -> Option<(JobKey, RunKey)> {
         let after = self
             .jobs
             .range((Bound::Excluded(self.served), Bound::Unbounded));
@@ -61,16 +61,22 @@ impl FairQueue {
 mod tests {
     use super::*;
 
-    fn queue(jobs: &[(JobSeq, &[RunSeq])]) -> FairQueue {
+    fn queue(jobs: &[(i64, &[i64])]) -> FairQueue {
         let mut queue = FairQueue::default();
         for (job, runs) in jobs {
-            queue.set(*job, runs.to_vec());
+            let runs = runs.iter().map(|run| RunKey(*run)).collect();
+            queue.set(JobKey(*job), runs);
         }
         queue
     }
 
-    fn drain(mut queue: FairQueue) -> Vec<(JobSeq, RunSeq)> {
-        std::iter::from_fn(|| queue.pop(|_| true)).collect()
+    fn pop(queue: &mut FairQueue, busy: &[i64]) -> Option<(i64, i64)> {
+        let popped = queue.pop(|run| !busy.contains(&run.0));
+        popped.map(|(job, run)| (job.0, run.0))
+    }
+
+    fn drain(mut queue: FairQueue) -> Vec<(i64, i64)> {
+        std::iter::from_fn(|| pop(&mut queue, &[])).collect()
     }
 
     #[test]
@@ -86,18 +92,18 @@ mod tests {
     #[test]
     fn a_busy_run_is_passed_over_and_stays() {
         let mut queue = queue(&[(1, &[10, 11]), (2, &[20])]);
-        assert_eq!(queue.pop(|run| run != 10), Some((1, 11)));
-        assert_eq!(queue.pop(|run| run != 10), Some((2, 20)));
-        assert_eq!(queue.pop(|run| run != 10), None);
-        assert_eq!(queue.pop(|_| true), Some((1, 10)));
+        assert_eq!(pop(&mut queue, &[10]), Some((1, 11)));
+        assert_eq!(pop(&mut queue, &[10]), Some((2, 20)));
+        assert_eq!(pop(&mut queue, &[10]), None);
+        assert_eq!(pop(&mut queue, &[]), Some((1, 10)));
     }
 
     #[test]
     fn a_forgotten_job_is_never_served() {
         let mut queue = queue(&[(1, &[10]), (2, &[20])]);
-        queue.remove(1);
-        queue.push(2, 21);
-        queue.push_front(2, 19);
+        queue.remove(JobKey(1));
+        queue.push(JobKey(2), RunKey(21));
+        queue.push_front(JobKey(2), RunKey(19));
         assert_eq!(drain(queue), [(2, 19), (2, 20), (2, 21)]);
     }
 }

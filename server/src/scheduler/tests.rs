@@ -41,7 +41,7 @@ fn runs(job: &Value) -> Vec<ResolvedRun> {
     expand(job, &BuiltinArenas).unwrap().runs
 }
 
-fn submit(scheduler: &Scheduler, job: &Value) -> JobSeq {
+fn submit(scheduler: &Scheduler, job: &Value) -> JobKey {
     let expanded = expand(job, &BuiltinArenas).unwrap();
     match scheduler
         .submit(&new_job(expanded, JobRequest::new(b"", None)))
@@ -59,7 +59,7 @@ fn wait_for(what: &str, condition: impl Fn() -> bool) {
     }
 }
 
-fn wait_until_done(store: &Store, job: JobSeq) {
+fn wait_until_done(store: &Store, job: JobKey) {
     wait_for("the job", || {
         let view = store.job(job).unwrap().unwrap();
         assert_eq!(view.counts.failed, 0);
@@ -72,9 +72,10 @@ fn digest(store: &Store, run: &ResolvedRun) -> String {
         .run(&run.key())
         .unwrap()
         .unwrap()
-        .result
+        .result()
         .unwrap()
         .state_sha256
+        .clone()
 }
 
 fn digest_alone(run: &ResolvedRun) -> String {

@@ -4,12 +4,10 @@ use api::{RunCounts, State};
 use rusqlite::{Connection, OptionalExtension, Row, params};
 use sha2::{Digest, Sha256};
 
-use super::runs::{RunSeq, StoppedRun, settle};
+use super::keys::{JobKey, RunKey};
+use super::runs::{StoppedRun, settle};
 use super::state::Intent;
 use super::{Store, StoreError, from_sql, to_sql};
-
-/// Key of a job; its decimal form is the id that users see. Never used twice.
-pub type JobSeq = i64;
 
 /// A run to be stored.
 #[derive(Clone, Debug)]
@@ -73,9 +71,9 @@ pub struct NewJob {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Created {
     /// It is stored; holds the runs that wait, in order.
-    New(JobSeq, Vec<RunSeq>),
+    New(JobKey, Vec<RunKey>),
     /// The same request had been stored before.
-    Replayed(JobSeq),
+    Replayed(JobKey),
 }
 
 /// Why a job was not stored.
@@ -115,7 +113,7 @@ impl From<rusqlite::Error> for CreateJobError {
 #[derive(Clone, Debug, PartialEq)]
 pub struct JobView {
     /// Key.
-    pub seq: JobSeq,
+    pub seq: JobKey,
     /// Text given by who posted it.
     pub name: String,
     /// What its owner wants.
@@ -142,7 +140,7 @@ pub struct JobView {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RunningRun {
     /// Key.
-    pub seq: RunSeq,
+    pub seq: RunKey,
     /// Robot-steps done before it was claimed.
     pub robot_steps_done: u64,
     /// Robot-steps in all.
@@ -165,7 +163,7 @@ impl Store {
         if let Some(seq) = admit(&transaction, &job.request, job.runs.len() as u64, limit)? {
             return Ok(Created::Replayed(seq));
         }
-        let seq: JobSeq = transaction
+        let seq: JobKey = transaction
             .prepare_cached(
                 "INSERT INTO jobs (name, request_sha256, idempotency_key, design)
                  VALUES (?1, ?2, ?3, ?4) RETURNING seq",
@@ -205,7 +203,7 @@ impl Store {
         request: &JobRequest,
         runs: u64,
         limit: u64,
-    ) -> Result<Option<JobSeq>, CreateJobError> {
+    ) -> Result<Option<JobKey>, CreateJobError> {
         admit(&self.connection(), request, runs, limit)
     }
 
@@ -213,7 +211,7 @@ impl Store {
     ///
     /// # Errors
     /// When the database fails.
-    pub fn job(&self, seq: JobSeq) -> Result<Option<JobView>, StoreError> {
+    pub fn job(&self, seq: JobKey) -> Result<Option<JobView>, StoreError> {
         let connection = self.connection();
         let found = connection
             .prepare_cached(&format!("{COLUMNS} WHERE seq = ?1"))?
@@ -226,7 +224,7 @@ impl Store {
     ///
     /// # Errors
     /// When the database fails.
-    pub fn design(&self, seq: JobSeq) -> Result<Option<String>, StoreError> {
+    pub fn design(&self, seq: JobKey) -> Result<Option<String>, StoreError> {
         Ok(self
             .connection()
             .prepare_cached("SELECT design FROM jobs WHERE seq = ?1")?
@@ -239,13 +237,13 @@ impl Store {
     ///
     /// # Errors
     /// When the database fails.
-    pub fn jobs(&self, before: Option<JobSeq>, limit: u32) -> Result<Vec<JobView>, StoreError> {
+    pub fn jobs(&self, before: Option<JobKey>, limit: u32) -> Result<Vec<JobView>, StoreError> {
         let connection = self.connection();
         let heads = connection
             .prepare_cached(&format!(
                 "{COLUMNS} WHERE seq < ?1 ORDER BY seq DESC LIMIT ?2"
             ))?
-            .query_map(params![before.unwrap_or(JobSeq::MAX), limit], head)?
+            .query_map(params![before.unwrap_or(JobKey::MAX), limit], head)?
             .collect::<Result<Vec<_>, _>>()?;
         heads
             .into_iter()
@@ -258,7 +256,7 @@ impl Store {
     ///
     /// # Errors
     /// When the database fails; nothing is changed then.
-    pub fn set_intent(&self, seq: JobSeq, intent: Intent) -> Result<Vec<StoppedRun>, StoreError> {
+    pub fn set_intent(&self, seq: JobKey, intent: Intent) -> Result<Vec<StoppedRun>, StoreError> {
         let mut connection = self.connection();
         let transaction = connection.transaction()?;
         transaction
@@ -274,7 +272,7 @@ impl Store {
     ///
     /// # Errors
     /// When the database fails; nothing is changed then.
-    pub fn retry(&self, seq: JobSeq) -> Result<(), StoreError> {
+    pub fn retry(&self, seq: JobKey) -> Result<(), StoreError> {
         let mut connection = self.connection();
         let transaction = connection.transaction()?;
         transaction
@@ -298,7 +296,7 @@ impl Store {
     ///
     /// # Errors
     /// When the database fails; nothing is changed then.
-    pub fn delete_job(&self, seq: JobSeq) -> Result<Vec<StoppedRun>, StoreError> {
+    pub fn delete_job(&self, seq: JobKey) -> Result<Vec<StoppedRun>, StoreError> {
         let mut connection = self.connection();
         let transaction = connection.transaction()?;
         transaction.execute("UPDATE jobs SET intent = 'cancelled' WHERE seq = ?1", [seq])?;
@@ -328,9 +326,9 @@ fn admit(
     request: &JobRequest,
     runs: u64,
     limit: u64,
-) -> Result<Option<JobSeq>, CreateJobError> {
+) -> Result<Option<JobKey>, CreateJobError> {
     if let Some(key) = &request.idempotency_key {
-        let earlier: Option<(JobSeq, String)> = connection
+        let earlier: Option<(JobKey, String)> = connection
             .prepare_cached("SELECT seq, request_sha256 FROM jobs WHERE idempotency_key = ?1")?
             .query_row([key], |row| Ok((row.get(0)?, row.get(1)?)))
             .optional()?;
@@ -355,7 +353,7 @@ fn admit(
 }
 
 /// Stores a run or finds it; returns its key and whether it waits for a worker.
-fn add_run(connection: &Connection, run: &NewRun) -> rusqlite::Result<(RunSeq, bool)> {
+fn add_run(connection: &Connection, run: &NewRun) -> rusqlite::Result<(RunKey, bool)> {
     connection
         .prepare_cached(
             "INSERT INTO runs
@@ -390,7 +388,7 @@ fn add_run(connection: &Connection, run: &NewRun) -> rusqlite::Result<(RunSeq, b
     Ok((seq, waits))
 }
 
-type Head = (JobSeq, String, String, String);
+type Head = (JobKey, String, String, String);
 
 fn head(row: &Row<'_>) -> rusqlite::Result<Head> {
     Ok((row.get(0)?, row.get(1)?, row.get(2)?, row.get(3)?))

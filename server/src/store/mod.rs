@@ -6,6 +6,7 @@
 mod arenas;
 mod checkpoints;
 mod jobs;
+mod keys;
 mod lock;
 mod results;
 mod runs;
@@ -19,9 +20,10 @@ use rusqlite::Connection;
 
 pub use arenas::{ArenaDeletion, SaveArenaError, StoredArena};
 pub use checkpoints::{Checkpoint, CheckpointError, Checkpoints};
-pub use jobs::{CreateJobError, Created, JobRequest, JobSeq, JobView, NewJob, NewRun, RunningRun};
+pub use jobs::{CreateJobError, Created, JobRequest, JobView, NewJob, NewRun, RunningRun};
+pub use keys::{JobKey, RunKey};
 pub use results::{Findings, Finished};
-pub use runs::{ClaimedRun, RunSeq, RunView, StoppedRun};
+pub use runs::{ClaimedRun, RunView, StoppedRun};
 pub use state::{Intent, Position, RunState};
 
 mod migrations {

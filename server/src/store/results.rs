@@ -4,7 +4,8 @@ use rusqlite::{OptionalExtension, params};
 use serde::{Deserialize, Serialize};
 use swarm::run::{CurveRow, MetricsLog, Tracks};
 
-use super::{RunSeq, Store, StoreError};
+use super::keys::RunKey;
+use super::{Store, StoreError};
 
 /// What a run has covered so far.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -56,7 +57,7 @@ impl Store {
     ///
     /// # Errors
     /// When the database fails or holds what cannot be read.
-    pub fn findings(&self, run: RunSeq) -> Result<Option<Findings>, StoreError> {
+    pub fn findings(&self, run: RunKey) -> Result<Option<Findings>, StoreError> {
         let blobs: Option<Blobs> = self
             .connection()
             .prepare_cached("SELECT coverage, metrics, objects FROM results WHERE run = ?1")?
@@ -80,7 +81,7 @@ impl Store {
     ///
     /// # Errors
     /// When the database fails.
-    pub fn cost(&self, run: RunSeq) -> Result<Option<f64>, StoreError> {
+    pub fn cost(&self, run: RunKey) -> Result<Option<f64>, StoreError> {
         Ok(self
             .connection()
             .prepare_cached("SELECT cpu_ns_per_robot_step FROM results WHERE run = ?1")?
@@ -94,7 +95,7 @@ impl Store {
     ///
     /// # Errors
     /// When the database fails; nothing is stored then.
-    pub fn finish(&self, run: RunSeq, finished: &Finished) -> Result<bool, StoreError> {
+    pub fn finish(&self, run: RunKey, finished: &Finished) -> Result<bool, StoreError> {
         let Findings {
             curve,
             visits,

@@ -1,19 +1,17 @@
 //! Runs: shared between the jobs that ask for the same spec, claimed by workers, ended once.
 
+use api::RunResult;
 use rusqlite::{Connection, OptionalExtension, Row, params};
 
-use super::jobs::JobSeq;
+use super::keys::{JobKey, RunKey};
 use super::state::{Position, RunState};
 use super::{Store, StoreError, from_sql, to_sql};
-
-/// Key of a run. Never used twice.
-pub type RunSeq = i64;
 
 /// A run that a worker may now step.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ClaimedRun {
     /// Key.
-    pub seq: RunSeq,
+    pub seq: RunKey,
     /// Hash of the spec, in hex.
     pub id: String,
     /// The resolved spec, as JSON.
@@ -24,7 +22,7 @@ pub struct ClaimedRun {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StoppedRun {
     /// Key.
-    pub seq: RunSeq,
+    pub seq: RunKey,
     /// Hash of the spec, in hex.
     pub id: String,
 }
@@ -33,11 +31,11 @@ pub struct StoppedRun {
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunView {
     /// Key.
-    pub seq: RunSeq,
+    pub seq: RunKey,
     /// Hash of the spec, in hex.
     pub id: String,
     /// The job that it was found through, or the first that has it.
-    pub job: JobSeq,
+    pub job: JobKey,
     /// Place in that job.
     pub ordinal: u64,
     /// Seed.
@@ -54,8 +52,16 @@ pub struct RunView {
     pub epochs_total: u32,
     /// Robot-steps in all.
     pub robot_steps_total: u64,
-    /// What it found, when it is done.
-    pub result: Option<api::RunResult>,
+}
+
+impl RunView {
+    /// What it found, once it is done.
+    pub fn result(&self) -> Option<&RunResult> {
+        match &self.state {
+            RunState::Done(result) => Some(result),
+            _ => None,
+        }
+    }
 }
 
 /// Runs that are read at once.
@@ -72,7 +78,7 @@ impl Store {
     ///
     /// # Errors
     /// When the database fails or the checkpoints cannot be listed.
-    pub fn recover(&self) -> Result<Vec<(JobSeq, RunSeq)>, StoreError> {
+    pub fn recover(&self) -> Result<Vec<(JobKey, RunKey)>, StoreError> {
         let connection = self.connection();
         connection.execute(
             "UPDATE runs SET state = 'queued' WHERE state = 'running'",
@@ -98,7 +104,7 @@ impl Store {
     ///
     /// # Errors
     /// When the database fails.
-    pub fn waiting(&self, job: JobSeq) -> Result<Vec<RunSeq>, StoreError> {
+    pub fn waiting(&self, job: JobKey) -> Result<Vec<RunKey>, StoreError> {
         Ok(self
             .connection()
             .prepare_cached(
@@ -113,7 +119,7 @@ impl Store {
     ///
     /// # Errors
     /// When the database fails.
-    pub fn claim(&self, run: RunSeq) -> Result<Option<ClaimedRun>, StoreError> {
+    pub fn claim(&self, run: RunKey) -> Result<Option<ClaimedRun>, StoreError> {
         Ok(self
             .connection()
             .prepare_cached(
@@ -137,7 +143,7 @@ impl Store {
     /// When the database fails.
     pub fn park(
         &self,
-        run: RunSeq,
+        run: RunKey,
         position: &Position,
         robot_steps_total: u64,
     ) -> Result<bool, StoreError> {
@@ -162,7 +168,7 @@ impl Store {
     ///
     /// # Errors
     /// When the database fails.
-    pub fn fail(&self, run: RunSeq, reason: &str) -> Result<(), StoreError> {
+    pub fn fail(&self, run: RunKey, reason: &str) -> Result<(), StoreError> {
         self.connection()
             .prepare_cached(
                 "UPDATE runs SET state = 'failed', reason = ?2
@@ -176,7 +182,7 @@ impl Store {
     ///
     /// # Errors
     /// When the database fails.
-    pub fn cancel_run(&self, run: RunSeq) -> Result<Option<StoppedRun>, StoreError> {
+    pub fn cancel_run(&self, run: RunKey) -> Result<Option<StoppedRun>, StoreError> {
         Ok(self
             .connection()
             .prepare_cached(
@@ -196,7 +202,7 @@ impl Store {
     ///
     /// # Errors
     /// When the database fails.
-    pub fn is_unfinished(&self, run: RunSeq) -> Result<bool, StoreError> {
+    pub fn is_unfinished(&self, run: RunKey) -> Result<bool, StoreError> {
         Ok(self
             .connection()
             .prepare_cached(
@@ -224,7 +230,7 @@ impl Store {
     ///
     /// # Errors
     /// When the database fails.
-    pub fn spec(&self, run: RunSeq) -> Result<Option<String>, StoreError> {
+    pub fn spec(&self, run: RunKey) -> Result<Option<String>, StoreError> {
         Ok(self
             .connection()
             .prepare_cached("SELECT spec FROM runs WHERE seq = ?1")?
@@ -236,7 +242,7 @@ impl Store {
     ///
     /// # Errors
     /// When the database fails or holds what cannot be read.
-    pub fn all_runs(&self, job: JobSeq) -> Result<Vec<RunView>, StoreError> {
+    pub fn all_runs(&self, job: JobKey) -> Result<Vec<RunView>, StoreError> {
         let mut runs: Vec<RunView> = Vec::new();
         loop {
             let from = runs.last().map_or(0, |run| run.ordinal + 1);
@@ -252,7 +258,7 @@ impl Store {
     ///
     /// # Errors
     /// When the database fails or holds what cannot be read.
-    pub fn runs(&self, job: JobSeq, from: u64, limit: u32) -> Result<Vec<RunView>, StoreError> {
+    pub fn runs(&self, job: JobKey, from: u64, limit: u32) -> Result<Vec<RunView>, StoreError> {
         self.connection()
             .prepare_cached(&format!(
                 "{VIEW} WHERE job = ?1 AND ordinal >= ?2 ORDER BY ordinal LIMIT ?3"
@@ -265,7 +271,7 @@ impl Store {
 }
 
 /// Brings the unfinished runs of a job in line with what their jobs want: run, hold or drop.
-pub fn settle(connection: &Connection, job: JobSeq) -> rusqlite::Result<Vec<StoppedRun>> {
+pub fn settle(connection: &Connection, job: JobKey) -> rusqlite::Result<Vec<StoppedRun>> {
     connection
         .prepare_cached(
             "WITH wants AS (
@@ -295,6 +301,10 @@ fn view(row: &Row<'_>) -> Result<RunView, StoreError> {
         robot_steps_done,
     });
     let result: Option<String> = row.get("result")?;
+    let result = result
+        .map(|text| serde_json::from_str(&text))
+        .transpose()
+        .map_err(|error| StoreError::unreadable("result", error))?;
     Ok(RunView {
         seq: row.get("seq")?,
         id: row.get("id")?,
@@ -304,12 +314,8 @@ fn view(row: &Row<'_>) -> Result<RunView, StoreError> {
         arena: row.get("arena")?,
         method: row.get("method")?,
         label: row.get("label")?,
-        state: RunState::from_columns(&state, position, row.get("reason")?)?,
+        state: RunState::from_columns(&state, position, row.get("reason")?, result)?,
         epochs_total: row.get("epochs_total")?,
         robot_steps_total: from_sql(row.get("robot_steps_total")?),
-        result: result
-            .map(|text| serde_json::from_str(&text))
-            .transpose()
-            .map_err(|error| StoreError::unreadable("result", error))?,
     })
 }

@@ -1,6 +1,6 @@
 //! Life cycle of runs and intent of jobs, as the database holds them.
 
-use api::{RunCounts, State};
+use api::{RunCounts, RunResult, State};
 
 use super::StoreError;
 
@@ -63,7 +63,7 @@ pub struct Position {
 }
 
 /// Where a run is in its life, with what only that state has.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum RunState {
     /// Waits for a worker; `Some` when it was stopped on the way.
     Queued(Option<Position>),
@@ -71,8 +71,8 @@ pub enum RunState {
     Running,
     /// Stopped on request; `Some` when it had started.
     Paused(Option<Position>),
-    /// Finished; its result is in [`super::Finished`].
-    Done,
+    /// Finished, with its result.
+    Done(Box<RunResult>),
     /// Ended by an error.
     Failed {
         /// What went wrong.
@@ -91,12 +91,17 @@ impl RunState {
         name: &str,
         position: Option<Position>,
         reason: Option<String>,
+        result: Option<RunResult>,
     ) -> Result<Self, StoreError> {
         Ok(match State::from_name(name) {
             Some(State::Queued) => Self::Queued(position),
             Some(State::Running) => Self::Running,
             Some(State::Paused) => Self::Paused(position),
-            Some(State::Done) => Self::Done,
+            Some(State::Done) => {
+                let result =
+                    result.ok_or_else(|| StoreError::unreadable("run", "done without a result"))?;
+                Self::Done(Box::new(result))
+            }
             Some(State::Failed) => Self::Failed {
                 reason: reason
                     .ok_or_else(|| StoreError::unreadable("run", "failed for no reason"))?,
@@ -112,7 +117,7 @@ impl RunState {
             Self::Queued(_) => State::Queued,
             Self::Running => State::Running,
             Self::Paused(_) => State::Paused,
-            Self::Done => State::Done,
+            Self::Done(_) => State::Done,
             Self::Failed { .. } => State::Failed,
             Self::Cancelled => State::Cancelled,
         }

@@ -31,7 +31,7 @@ fn new_job(ids: &[&str]) -> NewJob {
     }
 }
 
-fn create(store: &Store, ids: &[&str]) -> (JobSeq, Vec<RunSeq>) {
+fn create(store: &Store, ids: &[&str]) -> (JobKey, Vec<RunKey>) {
     match store.create_job(&new_job(ids), 1_000).unwrap() {
         Created::New(job, waiting) => (job, waiting),
         Created::Replayed(_) => panic!("no key was given"),
@@ -180,7 +180,7 @@ fn results_of_versions_without_objects_stay_readable() {
         )
         .unwrap();
     }
-    let read = open(dir.path()).findings(1).unwrap().unwrap();
+    let read = open(dir.path()).findings(RunKey(1)).unwrap().unwrap();
     assert!(read.tracks.is_empty());
     let expected = Findings {
         curve,
@@ -281,7 +281,7 @@ fn a_full_queue_stores_nothing() {
 fn pages_tell_every_job_and_run_once() {
     let dir = tempfile::tempdir().unwrap();
     let store = open(dir.path());
-    let jobs: Vec<JobSeq> = (0..5)
+    let jobs: Vec<JobKey> = (0..5)
         .map(|n| create(&store, &[&format!("run {n}")]).0)
         .collect();
     let (mut seen, mut before) = (Vec::new(), None);
@@ -332,8 +332,8 @@ fn a_finished_run_is_kept_and_never_waits_again() {
         Some(finished().findings)
     );
     assert_eq!(
-        store.run("a").unwrap().unwrap().result,
-        Some(finished().result)
+        store.run("a").unwrap().unwrap().state,
+        RunState::Done(Box::new(finished().result))
     );
 }
 
