@@ -4,14 +4,16 @@
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
-use clap::Parser;
+use clap::{Parser, Subcommand};
 use loadtests::cases::{self, Case};
 use loadtests::measure::{Figure, measure};
-use loadtests::{compare, document, instructions, picture, table};
+use loadtests::{compare, document, instructions, picture, service, table};
 
 /// Benchmarks of the step loop: CPU nanoseconds a robot-step, on one thread.
 #[derive(Parser)]
 struct Options {
+    #[command(subcommand)]
+    other: Option<Other>,
     /// Only cases whose name contains this.
     #[arg(long, default_value = "")]
     only: String,
@@ -47,8 +49,18 @@ struct Options {
     steps: Option<u64>,
 }
 
+/// What is measured instead of the step loop.
+#[derive(Subcommand)]
+enum Other {
+    /// The service under many clients.
+    Http(service::Options),
+}
+
 fn main() -> Result<()> {
     let options = Options::parse();
+    if let Some(Other::Http(options)) = &options.other {
+        return service::run(options);
+    }
     let cases: Vec<Case> = cases::all()
         .into_iter()
         .filter(|case| case.name.contains(&options.only) && (case.standard || options.full))

@@ -1,0 +1,9 @@
+//! `loadtests http`: the service under many clients, beside runs that step on all cores.
+
+mod client;
+mod load;
+mod probe;
+mod report;
+mod server;
+
+pub use load::{Options, run};

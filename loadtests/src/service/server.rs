@@ -1,0 +1,103 @@
+//! The real server as a process of its own, on a free port of this machine, with its own data.
+
+use std::io::{BufRead, BufReader};
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+
+use anyhow::{Context, Result, ensure};
+
+/// A server, ended when this is dropped.
+pub struct Server {
+    child: Child,
+    address: SocketAddr,
+    _home: tempfile::TempDir,
+}
+
+/// Beside this very program.
+fn program() -> Result<PathBuf> {
+    let own = std::env::current_exe().context("where this program is")?;
+    let path = own.with_file_name("evswarm");
+    ensure!(path.is_file(), "{} is missing: make build", path.display());
+    Ok(path)
+}
+
+impl Server {
+    /// Starts a server with so many worker threads.
+    pub fn start(threads: usize) -> Result<Self> {
+        let home = tempfile::tempdir()?;
+        let mut child = Command::new(program()?)
+            .args(["serve", "--listen", "127.0.0.1:0", "--threads"])
+            .arg(threads.to_string())
+            .arg("--data")
+            .arg(home.path().join("data"))
+            .env("XDG_RUNTIME_DIR", home.path())
+            .env_remove("EVSWARM_TOKEN")
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .context("starting evswarm")?;
+        let output = child.stdout.take().context("the server's output")?;
+        let mut lines = BufReader::new(output).lines();
+        let line = lines.next().context("the server ended at once")??;
+        // A server must not meet a closed standard output.
+        std::thread::spawn(move || lines.for_each(drop));
+        let address = line
+            .rsplit("http://")
+            .next()
+            .and_then(|rest| rest.trim_end_matches('/').parse().ok())
+            .with_context(|| format!("no address in {line:?}"))?;
+        Ok(Self {
+            child,
+            address,
+            _home: home,
+        })
+    }
+
+    /// Where it listens.
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// Processor time of its threads that step runs, seconds.
+    pub fn stepping_cpu_s(&self) -> Result<f64> {
+        let tasks = PathBuf::from(format!("/proc/{}/task", self.child.id()));
+        let mut ticks = 0;
+        for task in std::fs::read_dir(&tasks)? {
+            // A thread may end between the list and the look.
+            ticks += worker_ticks(&task?.path()).unwrap_or(0);
+        }
+        Ok(ticks as f64 / TICKS_A_SECOND)
+    }
+
+    /// Memory that it holds right now, bytes.
+    pub fn resident_bytes(&self) -> Result<u64> {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id()))?;
+        let line = status.lines().find(|line| line.starts_with("VmRSS:"));
+        let kib = line.and_then(|line| line.split_whitespace().nth(1)?.parse::<u64>().ok());
+        Ok(kib.context("no VmRSS")? * 1024)
+    }
+}
+
+/// `USER_HZ`, which is 100 on every Linux that this runs on.
+const TICKS_A_SECOND: f64 = 100.0;
+
+/// User and system time of a worker thread; `None` of any other thread.
+fn worker_ticks(task: &Path) -> Option<u64> {
+    let name = std::fs::read_to_string(task.join("comm")).ok()?;
+    if !name.starts_with("worker") {
+        return None;
+    }
+    let stat = std::fs::read_to_string(task.join("stat")).ok()?;
+    // The name in brackets may hold spaces; fields 14 and 15 are counted from the first.
+    let fields: Vec<&str> = stat.rsplit(") ").next()?.split(' ').collect();
+    Some(fields.get(11)?.parse::<u64>().ok()? + fields.get(12)?.parse::<u64>().ok()?)
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        // It may have ended already.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
