@@ -43,6 +43,7 @@ $(VENV)/made: clients/python/pyproject.toml
 lint: deny
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --workspace --all-targets --release -- -D warnings
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --release
 
 # Files of a crate that import each other in a circle.
 circles:

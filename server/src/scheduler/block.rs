@@ -8,7 +8,7 @@ use swarm::run::{Progress, Run};
 /// stop.
 const BLOCK: Duration = Duration::from_millis(10);
 
-/// A number of steps that is kept at about [`BLOCK`] of wall time.
+/// A number of steps that is kept at about `BLOCK` of wall time.
 #[derive(Debug)]
 pub struct Block {
     steps: u64,

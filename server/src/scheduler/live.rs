@@ -14,7 +14,7 @@ use crate::store::Findings;
 pub struct View {
     /// How far it is.
     pub progress: Progress,
-    /// Speed over about the last [`MEMORY_S`] seconds; `None` until it is known.
+    /// Speed over about the last `MEMORY_S` seconds; `None` until it is known.
     pub robot_steps_per_s: Option<f64>,
     /// What it has covered.
     pub findings: Findings,

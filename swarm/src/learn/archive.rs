@@ -18,7 +18,7 @@ pub struct Archive {
 }
 
 impl Archive {
-    /// An empty archive; `cap` at least one. It takes memory for [`CHUNK`] genomes at a time, so
+    /// An empty archive; `cap` at least one. It takes memory for `CHUNK` genomes at a time, so
     /// that a long phase 1 does not take all of it beforehand.
     pub fn new(cap: u32) -> Self {
         Self {

@@ -38,7 +38,7 @@ pub struct Moment<'a> {
 /// The movable objects of a run over time; empty where it has none.
 ///
 /// There is a moment where visits begin to count, and one for each row of metrics. At most
-/// [`MOST_SAMPLES`] samples are kept: before there are more, every second moment is dropped, and
+/// `MOST_SAMPLES` samples are kept: before there are more, every second moment is dropped, and
 /// from then on only every second one is taken. The first always stays.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Tracks {
