@@ -4,17 +4,15 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result, anyhow};
 use arenas::Arena;
+use swarm::controllers::{Brownian, Controller};
 use swarm::lanes::F8;
-use swarm::pilot::Pilot;
-use swarm::pilots::Brownian;
 use swarm::placement::place;
 use swarm::random::{Purpose, Site, draw, stream_key, unit};
 use swarm::robot::RobotModel;
 use swarm::run::{Phase, Run};
-use swarm::sharing::Sharing;
 use swarm::spec::{
     ControllerParameters, ControllerSpec, EngineKind, Episodes, Method, Placement, RunSpec,
-    Training,
+    Sharing, Training,
 };
 use swarm::world::{Ground, World};
 
@@ -50,7 +48,7 @@ struct Peer {
     key: u64,
 }
 
-impl Pilot for Peer {
+impl Controller for Peer {
     #[inline(always)]
     fn act(&mut self, step: u64, _raw: &F8) -> [f32; 2] {
         let bits = draw(self.key, step);
@@ -171,9 +169,9 @@ fn world(
     Ok(world)
 }
 
-fn stepped<P: Pilot + 'static>(mut world: World, mut pilots: Vec<P>) -> Setup {
-    let robots = pilots.len() as u64;
-    let bytes_per_robot = Some((world.bytes() / pilots.len()) as u64);
+fn stepped<P: Controller + 'static>(mut world: World, mut controllers: Vec<P>) -> Setup {
+    let robots = controllers.len() as u64;
+    let bytes_per_robot = Some((world.bytes() / controllers.len()) as u64);
     Setup {
         bytes_per_robot,
         chunk: Box::new(move |steps| {
@@ -183,7 +181,7 @@ fn stepped<P: Pilot + 'static>(mut world: World, mut pilots: Vec<P>) -> Setup {
                 if robots == 1 {
                     world.reset();
                 }
-                world.advance(&mut pilots, block);
+                world.advance(&mut controllers, block);
                 left -= block;
             }
             steps * robots
@@ -317,8 +315,8 @@ pub fn all() -> Vec<Case> {
                 move || {
                     let arena = peer_arena(robots)?;
                     let world = world(&arena, robots, Placement::Start, Kinematic)?;
-                    let pilots = (0..robots).map(|key| Peer { key }).collect();
-                    Ok(stepped(world, pilots))
+                    let controllers = (0..robots).map(|key| Peer { key }).collect();
+                    Ok(stepped(world, controllers))
                 }
             },
         ));

@@ -3,23 +3,23 @@
 //! Nothing here knows of files, clocks, threads or HTTP. A [`run::Run`] is a state machine that is
 //! stepped, saved and restored; the same spec and seed give the same bits on every machine.
 
-pub mod drive;
+pub mod bodies;
+pub mod caps;
+pub mod controllers;
 pub mod engine;
 pub mod lanes;
 pub mod learn;
 pub mod memory;
-pub mod noise;
 pub mod parameters;
-pub mod pilot;
-pub mod pilots;
 pub mod placement;
 mod prefetch;
 pub mod random;
 pub mod robot;
 pub mod run;
-pub mod sense;
+pub mod sensors;
 pub mod sharing;
 pub mod spec;
+mod stages;
 mod validate;
 pub mod world;
 

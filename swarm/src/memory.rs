@@ -5,14 +5,13 @@
 //! is counted is all that a learner asks the allocator for, its own value included, at the worst
 //! moment: while k-means runs, or while both genomes and table are held.
 
-use serde::{Deserialize, Serialize};
-
+pub use crate::caps::MemoryPlan;
+use crate::controllers::{Babbler, Brownian, Codebook, Crawler, Explorer, Replayer, Watch};
 use crate::learn::archive::Archive;
 use crate::learn::repository::Repository;
-use crate::pilots::{Babbler, Brownian, Codebook, Crawler, Explorer, Replayer, Watch};
-use crate::run::{StageKind, stages};
-use crate::sharing::{Sharing, told_transitions};
-use crate::spec::{ControllerParameters, Objective, RunSpec};
+use crate::sharing::told::told_transitions;
+use crate::spec::{ControllerParameters, Objective, RunSpec, Sharing};
+use crate::stages::{StageKind, arena_epochs, stages};
 
 /// RAM of the e-puck (dsPIC30F6014A), bytes.
 pub const E_PUCK_BYTES: u64 = 8 * 1024;
@@ -23,27 +22,6 @@ pub const E_PUCK2_BYTES: u64 = 192 * 1024;
 const FEWEST_STATES: u32 = 4;
 /// From here on no cap of any spec grows any more.
 const MOST_STATES: u32 = 200_000;
-
-/// Caps of a robot's learner.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct MemoryPlan {
-    /// States; beyond them a vector joins the nearest.
-    pub sensor_clusters: u32,
-    /// Actions.
-    pub actuator_clusters: u32,
-    /// Clusters that sensori-motor objectives are computed over.
-    pub sensori_motor_clusters: u32,
-    /// Vectors of the sample that k-means runs over.
-    pub sample: u32,
-    /// Commands kept for each action.
-    pub actuator_sample: u32,
-    /// Length of each list S(i, j).
-    pub lambda: u32,
-    /// Genomes of phase 1 that are kept for phase 2.
-    pub genomes: u32,
-    /// Most bytes that a robot holds at any moment under these caps.
-    pub bytes: u64,
-}
 
 /// No plan is as small as the budget.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -112,6 +90,14 @@ impl MemoryPlan {
             actuator_sample: self.actuator_sample,
             ..p.clone()
         }
+    }
+}
+
+impl RunSpec {
+    /// Robot-steps that a run of this spec takes, uncounted phases included.
+    pub fn robot_steps(&self) -> u64 {
+        let stages = MemoryPlan::of(self).map_or_else(|_| Vec::new(), |plan| stages(self, &plan));
+        arena_epochs(&stages) * u64::from(self.steps_per_epoch) * u64::from(self.robots)
     }
 }
 

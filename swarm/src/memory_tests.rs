@@ -7,8 +7,10 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::robot::RobotModel;
-use crate::sharing::{DEFAULT_BYTES_PER_STEP, RadioLink};
-use crate::spec::{ControllerSpec, EngineKind, Episodes, Method, Placement, Training};
+use crate::spec::{
+    ControllerSpec, DEFAULT_BYTES_PER_STEP, EngineKind, Episodes, Method, Placement, RadioLink,
+    Training,
+};
 
 fn spec(method: Method, memory_budget_bytes: Option<u64>, sharing: Sharing) -> RunSpec {
     let arena = Arc::new(arenas::builtin("easy").unwrap());

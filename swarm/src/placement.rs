@@ -3,10 +3,10 @@
 use arenas::index::WallIndex;
 use arenas::{Arena, Movable, Pose};
 
+use crate::bodies::StartPose;
 use crate::random::{Purpose, Site, Stream, stream_key};
 use crate::robot::RobotModel;
 use crate::spec::{FieldError, Placement};
-use crate::world::StartPose;
 
 /// Room between two bodies, and between a body and a wall, at the start, metres.
 const ROOM_M: f64 = 1e-3;

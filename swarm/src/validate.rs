@@ -4,9 +4,10 @@ use arenas::Arena;
 
 use crate::memory::MemoryPlan;
 use crate::placement::enough_starts;
-use crate::run::{MAX_EPOCHS, MAX_ROBOTS, MAX_STEPS_PER_EPOCH};
-use crate::sharing::{LEAST_BYTES_PER_STEP, MOST_BYTES_PER_STEP, Sharing};
-use crate::spec::{EngineKind, FieldError, Method, Placement, RunSpec};
+use crate::spec::{
+    EngineKind, FieldError, LEAST_BYTES_PER_STEP, MAX_EPOCHS, MAX_ROBOTS, MAX_STEPS_PER_EPOCH,
+    MOST_BYTES_PER_STEP, Method, Placement, RunSpec, Sharing,
+};
 
 fn error(pointer: &str, message: impl Into<String>, allowed: impl Into<String>) -> FieldError {
     FieldError {

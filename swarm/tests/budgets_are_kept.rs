@@ -9,10 +9,9 @@ use arenas::{ArenaFormat, SquaresFormat};
 use swarm::memory::{E_PUCK_BYTES, E_PUCK2_BYTES, MemoryPlan};
 use swarm::robot::RobotModel;
 use swarm::run::{Phase, Run};
-use swarm::sharing::{DEFAULT_BYTES_PER_STEP, RadioLink, Sharing};
 use swarm::spec::{
-    ControllerParameters, ControllerSpec, EngineKind, Episodes, Method, Placement, RunSpec,
-    Training,
+    ControllerParameters, ControllerSpec, DEFAULT_BYTES_PER_STEP, EngineKind, Episodes, Method,
+    Placement, RadioLink, RunSpec, Sharing, Training,
 };
 
 /// Counts what this thread holds, and the most that it held.

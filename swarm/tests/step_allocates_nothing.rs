@@ -7,10 +7,9 @@ use std::sync::Arc;
 
 use swarm::robot::RobotModel;
 use swarm::run::{Phase, Run};
-use swarm::sharing::{RadioLink, Sharing};
 use swarm::spec::{
-    ControllerParameters, ControllerSpec, EngineKind, Episodes, Method, Placement, RunSpec,
-    Training,
+    ControllerParameters, ControllerSpec, EngineKind, Episodes, Method, Placement, RadioLink,
+    RunSpec, Sharing, Training,
 };
 
 /// Counts what this thread allocates.

@@ -3,7 +3,7 @@
 use api::SharingSpec;
 use serde_json::Value;
 use swarm::memory::{E_PUCK_BYTES, E_PUCK2_BYTES};
-use swarm::sharing::{
+use swarm::spec::{
     DEFAULT_BYTES_PER_STEP, DEFAULT_RANGE_M, LEAST_BYTES_PER_STEP, MOST_BYTES_PER_STEP, RadioLink,
     Sharing, SharingMode,
 };

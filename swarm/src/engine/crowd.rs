@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 use arenas::index::{WallIndex, grid_coordinate};
 
 use super::kinematic::Contact;
-use crate::world::Body;
+use crate::bodies::Body;
 
 /// Deepest overlap of two robots that is left standing, metres.
 pub const OVERLAP_M: f32 = 5e-5;

@@ -6,8 +6,8 @@
 
 use arenas::index::WallIndex;
 
+use crate::bodies::Body;
 use crate::robot::RobotModel;
-use crate::world::Body;
 
 /// Deepest penetration of a wall that is left standing, metres, in arenas up to a few metres.
 pub const TOLERANCE_M: f32 = 1e-5;

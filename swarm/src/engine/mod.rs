@@ -1,20 +1,21 @@
 //! The two physics engines: what moves a robot that wants to go somewhere.
 
 pub mod crowd;
+pub mod drive;
 pub mod kinematic;
 pub mod rapier;
 
 use arenas::Arena;
 use serde::{Deserialize, Serialize};
 
+use crate::bodies::{Bodies, ObjectPose, StartPose};
 use crate::robot::RobotModel;
 use crate::spec::EngineKind;
-use crate::world::{Bodies, ObjectPose, StartPose};
 use rapier::RapierEngine;
 
 /// The engine of one world, with whatever state it keeps between steps.
 #[derive(Serialize, Deserialize)]
-pub enum Motor {
+pub enum EngineState {
     /// Stateless: positions are all there is.
     Kinematic,
     /// Rigid bodies.
@@ -38,16 +39,16 @@ struct Columns {
     touched: Vec<bool>,
 }
 
-impl Motor {
+impl EngineState {
     /// The engine of a kind for robots at their start poses.
     pub fn new(kind: EngineKind, arena: &Arena, model: &RobotModel, starts: &[StartPose]) -> Self {
         match kind {
-            EngineKind::Kinematic => Motor::Kinematic,
+            EngineKind::Kinematic => EngineState::Kinematic,
             EngineKind::Rapier => {
                 let x_m: Vec<f32> = starts.iter().map(|s| s.x_m).collect();
                 let y_m: Vec<f32> = starts.iter().map(|s| s.y_m).collect();
                 let engine = RapierEngine::new(arena, model, &x_m, &y_m);
-                Motor::Rapier(Box::new(Rigid {
+                EngineState::Rapier(Box::new(Rigid {
                     engine,
                     columns: Columns::default(),
                 }))
@@ -57,7 +58,7 @@ impl Motor {
 
     /// Puts robots elsewhere at once, without any memory of earlier contacts.
     pub fn place(&mut self, bodies: &Bodies) {
-        if let Motor::Rapier(rigid) = self {
+        if let EngineState::Rapier(rigid) = self {
             rigid.columns.read(bodies);
             rigid.engine.place(&rigid.columns.x_m, &rigid.columns.y_m);
         }

@@ -15,3 +15,4 @@ pub mod perceptron;
 pub mod repository;
 pub mod reservoir;
 pub mod sigmoid;
+pub mod transition;

@@ -2,23 +2,23 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::plan::StageKind;
-use super::types::RobotMemory;
+use super::robot_memory::RobotMemory;
+use crate::caps::MemoryPlan;
+use crate::controllers::{
+    Babbler, Brownian, Codebook, Crawler, Explorer, Replayer, Scaling, SharedTableExplorers, Watch,
+};
 use crate::lanes::F8;
 use crate::learn::archive::Archive;
 use crate::learn::repository::Repository;
-use crate::memory::MemoryPlan;
-use crate::pilots::{
-    Babbler, Brownian, Codebook, Crawler, Explorer, Replayer, Scaling, Team, Watch,
-};
 use crate::random::{Purpose, Site, Stream, stream_key};
 use crate::sharing::pool::pool;
-use crate::sharing::radio::{Radio, Talkers};
-use crate::sharing::{Sharing, told_transitions};
-use crate::spec::{ControllerParameters, Objective, RunSpec};
+use crate::sharing::radio::{Radio, RadioControllers};
+use crate::sharing::told::told_transitions;
+use crate::spec::{ControllerParameters, Objective, RunSpec, Sharing};
+use crate::stages::StageKind;
 use crate::world::{World, WorldState};
 
-/// One pilot a robot, all of the kind that the stage asks for.
+/// One controller a robot, all of the kind that the stage asks for.
 #[derive(Serialize, Deserialize)]
 pub(super) enum Learners {
     /// Before the first stage.
@@ -29,7 +29,7 @@ pub(super) enum Learners {
     Replayers(Vec<Replayer>),
     Explorers(Vec<Explorer>),
     /// Explorers with one table.
-    Team(Box<Team>),
+    SharedTable(Box<SharedTableExplorers>),
 }
 
 /// The random streams of one robot.
@@ -130,8 +130,10 @@ impl Maker<'_> {
     /// The learners of phase 3.
     fn exploring(&self, explorers: Vec<Explorer>) -> Learners {
         if self.spec.sharing == Sharing::Arena {
-            Team::new(&self.parameters, explorers)
-                .map_or(Learners::Idle, |team| Learners::Team(Box::new(team)))
+            SharedTableExplorers::new(&self.parameters, explorers)
+                .map_or(Learners::Idle, |robots| {
+                    Learners::SharedTable(Box::new(robots))
+                })
         } else {
             Learners::Explorers(explorers)
         }
@@ -199,35 +201,35 @@ impl Learners {
     pub fn advance(&mut self, world: &mut World, radio: Option<&mut Radio>, steps: u64) {
         match (self, radio) {
             (Learners::Idle, _) => {}
-            (Learners::Brownian(pilots), _) => world.advance(pilots, steps),
-            (Learners::Babblers(pilots), _) => world.advance(pilots, steps),
-            (Learners::Crawlers(pilots), Some(radio)) => {
-                world.advance_crew(&mut Talkers { pilots, radio }, steps);
+            (Learners::Brownian(controllers), _) => world.advance(controllers, steps),
+            (Learners::Babblers(controllers), _) => world.advance(controllers, steps),
+            (Learners::Crawlers(controllers), Some(radio)) => {
+                world.advance_all(&mut RadioControllers { controllers, radio }, steps);
             }
-            (Learners::Crawlers(pilots), None) => world.advance(pilots, steps),
-            (Learners::Replayers(pilots), _) => world.advance(pilots, steps),
-            (Learners::Explorers(pilots), Some(radio)) => {
-                world.advance_crew(&mut Talkers { pilots, radio }, steps);
+            (Learners::Crawlers(controllers), None) => world.advance(controllers, steps),
+            (Learners::Replayers(controllers), _) => world.advance(controllers, steps),
+            (Learners::Explorers(controllers), Some(radio)) => {
+                world.advance_all(&mut RadioControllers { controllers, radio }, steps);
             }
-            (Learners::Explorers(pilots), None) => world.advance(pilots, steps),
-            (Learners::Team(team), _) => world.advance_crew(&mut **team, steps),
+            (Learners::Explorers(controllers), None) => world.advance(controllers, steps),
+            (Learners::SharedTable(robots), _) => world.advance_all(&mut **robots, steps),
         }
     }
 
     /// Starts a trajectory where robots stand.
     pub fn begin_trajectory(&mut self, state: &WorldState) {
         match self {
-            Learners::Explorers(pilots) => {
-                for (pilot, body) in pilots.iter_mut().zip(state.bodies.iter()) {
-                    pilot.begin_trajectory(&F8(body.sensors));
+            Learners::Explorers(controllers) => {
+                for (controller, body) in controllers.iter_mut().zip(state.bodies.iter()) {
+                    controller.begin_trajectory(&F8(body.sensors));
                 }
             }
-            Learners::Replayers(pilots) => {
-                for (pilot, body) in pilots.iter_mut().zip(state.bodies.iter()) {
-                    pilot.begin_trajectory(&F8(body.sensors));
+            Learners::Replayers(controllers) => {
+                for (controller, body) in controllers.iter_mut().zip(state.bodies.iter()) {
+                    controller.begin_trajectory(&F8(body.sensors));
                 }
             }
-            Learners::Team(team) => team.begin_trajectory(&state.bodies),
+            Learners::SharedTable(robots) => robots.begin_trajectory(&state.bodies),
             _ => {}
         }
     }
@@ -235,32 +237,38 @@ impl Learners {
     /// Ends a trajectory from which something is learnt.
     pub fn end_trajectory(&mut self) {
         match self {
-            Learners::Crawlers(pilots) => pilots.iter_mut().for_each(Crawler::end_trajectory),
-            Learners::Replayers(pilots) => pilots.iter_mut().for_each(Replayer::end_trajectory),
+            Learners::Crawlers(controllers) => {
+                controllers.iter_mut().for_each(Crawler::end_trajectory)
+            }
+            Learners::Replayers(controllers) => {
+                controllers.iter_mut().for_each(Replayer::end_trajectory)
+            }
             _ => {}
         }
     }
 
     /// Loads the next candidates of evolution.
     pub fn next_candidates(&mut self) {
-        if let Learners::Crawlers(pilots) = self {
-            pilots.iter_mut().for_each(Crawler::next_candidate);
+        if let Learners::Crawlers(controllers) = self {
+            controllers.iter_mut().for_each(Crawler::next_candidate);
         }
     }
 
     /// Whether the next epoch only shows the candidates.
     pub fn set_showing(&mut self, showing: bool) {
-        if let Learners::Crawlers(pilots) = self {
-            pilots
+        if let Learners::Crawlers(controllers) = self {
+            controllers
                 .iter_mut()
-                .for_each(|pilot| pilot.set_showing(showing));
+                .for_each(|controller| controller.set_showing(showing));
         }
     }
 
     /// Sensori-motor clusters of the first robot, while it has them.
     pub fn sensori_motor_clusters(&self) -> Option<u32> {
         match self {
-            Learners::Crawlers(pilots) => pilots.first().map(Crawler::sensori_motor_clusters),
+            Learners::Crawlers(controllers) => {
+                controllers.first().map(Crawler::sensori_motor_clusters)
+            }
             _ => None,
         }
     }
@@ -269,10 +277,14 @@ impl Learners {
     pub fn clusters(&self) -> (u32, u32) {
         let of = |codebook: &Codebook| (codebook.states.len(), codebook.actions.len());
         let clusters = match self {
-            Learners::Crawlers(pilots) => pilots.first().map(|p| (0, p.actuator_clusters())),
-            Learners::Replayers(pilots) => pilots.first().map(|p| of(p.explorer().codebook())),
-            Learners::Explorers(pilots) => pilots.first().map(|p| of(p.codebook())),
-            Learners::Team(team) => Some(of(team.codebook())),
+            Learners::Crawlers(controllers) => {
+                controllers.first().map(|p| (0, p.actuator_clusters()))
+            }
+            Learners::Replayers(controllers) => {
+                controllers.first().map(|p| of(p.explorer().codebook()))
+            }
+            Learners::Explorers(controllers) => controllers.first().map(|p| of(p.codebook())),
+            Learners::SharedTable(robots) => Some(of(robots.codebook())),
             _ => None,
         };
         clusters.unwrap_or((0, 0))
@@ -281,8 +293,10 @@ impl Learners {
     /// What the first robot knows, if it explores by a table.
     pub fn model(&self) -> Option<(&Codebook, &Repository)> {
         match self {
-            Learners::Explorers(pilots) => pilots.first().map(|p| (p.codebook(), p.repository())),
-            Learners::Team(team) => Some((team.codebook(), team.repository())),
+            Learners::Explorers(controllers) => {
+                controllers.first().map(|p| (p.codebook(), p.repository()))
+            }
+            Learners::SharedTable(robots) => Some((robots.codebook(), robots.repository())),
             _ => None,
         }
     }
@@ -291,12 +305,12 @@ impl Learners {
     pub fn robots(&self) -> usize {
         match self {
             Learners::Idle => 0,
-            Learners::Brownian(pilots) => pilots.len(),
-            Learners::Babblers(pilots) => pilots.len(),
-            Learners::Crawlers(pilots) => pilots.len(),
-            Learners::Replayers(pilots) => pilots.len(),
-            Learners::Explorers(pilots) => pilots.len(),
-            Learners::Team(team) => team.robots(),
+            Learners::Brownian(controllers) => controllers.len(),
+            Learners::Babblers(controllers) => controllers.len(),
+            Learners::Crawlers(controllers) => controllers.len(),
+            Learners::Replayers(controllers) => controllers.len(),
+            Learners::Explorers(controllers) => controllers.len(),
+            Learners::SharedTable(robots) => robots.robots(),
         }
     }
 
@@ -304,12 +318,12 @@ impl Learners {
     pub fn bytes(&self) -> u64 {
         match self {
             Learners::Idle => 0,
-            Learners::Brownian(pilots) => size_of_val(&pilots[..]) as u64,
-            Learners::Babblers(pilots) => pilots.iter().map(Babbler::bytes).sum(),
-            Learners::Crawlers(pilots) => pilots.iter().map(Crawler::bytes).sum(),
-            Learners::Replayers(pilots) => pilots.iter().map(Replayer::bytes).sum(),
-            Learners::Explorers(pilots) => pilots.iter().map(Explorer::bytes).sum(),
-            Learners::Team(team) => team.bytes(),
+            Learners::Brownian(controllers) => size_of_val(&controllers[..]) as u64,
+            Learners::Babblers(controllers) => controllers.iter().map(Babbler::bytes).sum(),
+            Learners::Crawlers(controllers) => controllers.iter().map(Crawler::bytes).sum(),
+            Learners::Replayers(controllers) => controllers.iter().map(Replayer::bytes).sum(),
+            Learners::Explorers(controllers) => controllers.iter().map(Explorer::bytes).sum(),
+            Learners::SharedTable(robots) => robots.bytes(),
         }
     }
 
@@ -325,29 +339,29 @@ impl Learners {
         };
         match self {
             Learners::Idle => Vec::new(),
-            Learners::Brownian(pilots) => {
-                vec![robot(size_of::<Brownian>() as u64, 0); pilots.len()]
+            Learners::Brownian(controllers) => {
+                vec![robot(size_of::<Brownian>() as u64, 0); controllers.len()]
             }
-            Learners::Babblers(pilots) => pilots
+            Learners::Babblers(controllers) => controllers
                 .iter()
                 .map(|p| robot(p.bytes(), p.clusters_saturated()))
                 .collect(),
-            Learners::Crawlers(pilots) => pilots
+            Learners::Crawlers(controllers) => controllers
                 .iter()
                 .map(|p| robot(p.bytes(), p.clusters_saturated()))
                 .collect(),
-            Learners::Replayers(pilots) => pilots
+            Learners::Replayers(controllers) => controllers
                 .iter()
                 .map(|p| robot(p.bytes(), p.explorer().clusters_saturated()))
                 .collect(),
-            Learners::Explorers(pilots) => pilots
+            Learners::Explorers(controllers) => controllers
                 .iter()
                 .map(|p| robot(p.bytes() + told, p.clusters_saturated()))
                 .collect(),
-            Learners::Team(team) => team
+            Learners::SharedTable(robots) => robots
                 .clusters_saturated()
                 .iter()
-                .map(|saturated| robot(team.robot_bytes(), *saturated))
+                .map(|saturated| robot(robots.robot_bytes(), *saturated))
                 .collect(),
         }
     }

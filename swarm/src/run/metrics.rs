@@ -5,8 +5,8 @@ use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 
-use super::{COVERAGE_LEVELS, Place, RobotMemory, Run, TARGET};
-use crate::world::World;
+use super::robot_memory::RobotMemory;
+use crate::world::{COVERAGE_LEVELS, World};
 
 /// Epochs in which there are rows within the epoch too, and rows an epoch then.
 const EARLY_EPOCHS: u32 = 4;
@@ -77,7 +77,7 @@ pub struct MetricsLog {
 }
 
 /// The step of an early epoch, after `step`, that the next row within it follows.
-fn next_within(epoch: u32, step: u32, steps_per_epoch: u32) -> Option<u32> {
+pub(super) fn next_within(epoch: u32, step: u32, steps_per_epoch: u32) -> Option<u32> {
     if epoch >= EARLY_EPOCHS {
         return None;
     }
@@ -89,7 +89,7 @@ fn next_within(epoch: u32, step: u32, steps_per_epoch: u32) -> Option<u32> {
 }
 
 /// Whether there is a row after so many of all counted epochs.
-fn has_row(epoch: u32, epochs: u32) -> bool {
+pub(super) fn has_row(epoch: u32, epochs: u32) -> bool {
     let spacing = epoch.div_ceil(EVERY_EPOCH_UP_TO).next_power_of_two();
     epoch == epochs || epoch.is_multiple_of(spacing)
 }
@@ -105,7 +105,7 @@ fn n_ln_n(n: u32) -> f64 {
 }
 
 /// exp of the entropy of shares, and the greatest share; `(0, 0)` when there is nothing to share.
-fn shares(counts: impl Iterator<Item = u32>) -> (f64, f64) {
+pub(super) fn shares(counts: impl Iterator<Item = u32>) -> (f64, f64) {
     let (mut all, mut most, mut sum) = (0_u64, 0, 0.0);
     for count in counts {
         all += u64::from(count);
@@ -155,7 +155,7 @@ pub fn time_to_cover(
     Some(*last - 1)
 }
 
-fn times(first_entry: &[u64], mask: &[bool], reachable: u32) -> [Option<u64>; 3] {
+pub(super) fn times(first_entry: &[u64], mask: &[bool], reachable: u32) -> [Option<u64>; 3] {
     [50, 90, 99].map(|percent| {
         let inside = first_entry.iter().zip(mask).filter(|&(_, &inside)| inside);
         time_to_cover(inside.map(|(&first, _)| first), reachable, percent)
@@ -163,7 +163,11 @@ fn times(first_entry: &[u64], mask: &[bool], reachable: u32) -> [Option<u64>; 3]
 }
 
 /// Mean over `steps` counted steps of the share of `reachable` squares that had been entered.
-fn mean_coverage(first_entries: impl Iterator<Item = u64>, reachable: u32, steps: u64) -> f64 {
+pub(super) fn mean_coverage(
+    first_entries: impl Iterator<Item = u64>,
+    reachable: u32,
+    steps: u64,
+) -> f64 {
     if reachable == 0 || steps == 0 {
         return 0.0;
     }
@@ -175,7 +179,7 @@ fn mean_coverage(first_entries: impl Iterator<Item = u64>, reachable: u32, steps
 }
 
 /// The row of a world at this moment.
-fn row(world: &World, mask: &[bool], reachable: u32, epoch: u32) -> MetricsRow {
+pub(super) fn row(world: &World, mask: &[bool], reachable: u32, epoch: u32) -> MetricsRow {
     let state = world.state();
     let mut entered = [0; 4];
     let (mut entries, mut sum) = (0_u64, 0.0);
@@ -216,88 +220,6 @@ fn greatest_share(world: &World) -> f64 {
     match firsts().map(u64::from).sum::<u64>() {
         0 => 0.0,
         all => f64::from(firsts().max().unwrap_or(0)) / all as f64,
-    }
-}
-
-impl Run {
-    /// The step of the present epoch up to which the run goes on without a row of metrics.
-    pub(super) fn next_row(&self) -> u32 {
-        let Place { epoch, step, .. } = self.place;
-        let steps = self.spec.steps_per_epoch;
-        let within = self
-            .is_counting()
-            .then(|| next_within(epoch, step, steps))
-            .flatten();
-        within.unwrap_or(steps)
-    }
-
-    /// Adds a row of metrics after a counted epoch, where one is kept.
-    pub(super) fn row_after_epoch(&mut self) {
-        if has_row(self.place.epoch, self.spec.epochs) {
-            self.add_row();
-        }
-    }
-
-    /// Adds a row of metrics, and the objects of the same moment.
-    pub(super) fn add_row(&mut self) {
-        let row = self.metrics_now();
-        self.metrics.push(row);
-        self.track_objects();
-    }
-
-    /// Whether visits count in the epoch that the run is in.
-    fn is_counting(&self) -> bool {
-        self.stage().is_some_and(|stage| stage.kind.counts()) && self.venue() == TARGET
-    }
-
-    fn metrics_now(&self) -> MetricsRow {
-        let reachable = self.reachable();
-        let world = &self.venues[TARGET].world;
-        row(world, &reachable.mask, reachable.count, self.place.epoch)
-    }
-
-    /// The metrics so far.
-    pub fn metrics(&self) -> MetricsLog {
-        let reachable = self.reachable();
-        let state = self.venues[TARGET].world.state();
-        let robot = |(body, memory): (&crate::world::Body, RobotMemory)| RobotMetrics {
-            first_entries: body.first_entries,
-            distance_m: body.distance_m,
-            memory,
-        };
-        let first_entry = state.tally.first_entry().iter().zip(&reachable.mask);
-        MetricsLog {
-            reachable: reachable.count,
-            rows: self.metrics.clone(),
-            robots: state.bodies.iter().zip(self.memory()).map(robot).collect(),
-            first_entry: first_entry
-                .map(|(&first, &inside)| if inside { first } else { 0 })
-                .collect(),
-        }
-    }
-
-    /// The metrics of the run as it is.
-    pub(super) fn final_metrics(&self) -> Metrics {
-        let reachable = self.reachable();
-        let state = self.venues[TARGET].world.state();
-        let first_entry = state.tally.first_entry().iter().zip(&reachable.mask);
-        let inside = first_entry.filter(|&(_, &inside)| inside);
-        let (contributors, _) = shares(state.bodies.iter().map(|body| body.first_entries));
-        Metrics {
-            last: self
-                .metrics
-                .last()
-                .copied()
-                .unwrap_or_else(|| self.metrics_now()),
-            t_steps: times(state.tally.first_entry(), &reachable.mask, reachable.count),
-            mean_coverage: mean_coverage(
-                inside.map(|(&first, _)| first),
-                reachable.count,
-                state.tally.steps(),
-            ),
-            overlap_robots: state.tally.sampled() as u32,
-            contributors,
-        }
     }
 }
 

@@ -1,9 +1,10 @@
 //! How well the first robot knows what its actions lead to (section 4.3.4).
 
-use super::{Run, TARGET};
+use super::machine::Run;
+use super::venue::TARGET;
+use crate::controllers::{Reference, Scaling};
 use crate::lanes::F8;
 use crate::learn::accuracy::{Divergence, divergence};
-use crate::pilots::{Reference, Scaling};
 use crate::random::{Purpose, Site, stream_key};
 use crate::world::World;
 
@@ -31,17 +32,17 @@ impl Run {
         );
         let key = stream_key(spec.seed, Site::Target, 0, Purpose::Reference);
         let scaling = Scaling::new(spec.controller.parameters.sensor_scale);
-        let mut pilots = [Reference::new(codebook, scaling, key)];
+        let mut controllers = [Reference::new(codebook, scaling, key)];
         let counted = u64::from(spec.epochs) * u64::from(spec.steps_per_epoch);
         let mut left = REFERENCE_STEPS.min(counted);
         while left > 0 {
             world.reset();
-            pilots[0].begin_trajectory(&F8(world.state().bodies[0].sensors));
+            controllers[0].begin_trajectory(&F8(world.state().bodies[0].sensors));
             let steps = left.min(u64::from(spec.steps_per_epoch));
-            world.advance(&mut pilots, steps);
+            world.advance(&mut controllers, steps);
             left -= steps;
         }
-        let reference = pilots[0].counts();
+        let reference = controllers[0].counts();
         Some(divergence(table, reference, SMOOTHING))
     }
 }

@@ -5,9 +5,14 @@
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use super::coverage::CurveRow;
 use super::learners::Learners;
-use super::{CurveRow, MetricsRow, Place, RestoreError, Run, Tracks};
-use crate::engine::Motor;
+use super::machine::Run;
+use super::metrics::MetricsRow;
+use super::outcome::RestoreError;
+use super::position::RunPosition;
+use super::tracks::Tracks;
+use crate::engine::EngineState;
 use crate::spec::RunSpec;
 use crate::world::{World, WorldState};
 
@@ -17,25 +22,25 @@ const MAGIC: &[u8; 8] = b"evswarm4";
 #[derive(Serialize)]
 struct SavedRef<'a> {
     spec: [u8; 32],
-    place: Place,
+    position: RunPosition,
     sensori_motor_clusters: u32,
     curve: &'a [CurveRow],
     metrics: &'a [MetricsRow],
     tracks: &'a Tracks,
     learners: &'a Learners,
-    worlds: Vec<(&'a WorldState, &'a Motor)>,
+    worlds: Vec<(&'a WorldState, &'a EngineState)>,
 }
 
 #[derive(Deserialize)]
 struct Saved {
     spec: [u8; 32],
-    place: Place,
+    position: RunPosition,
     sensori_motor_clusters: u32,
     curve: Vec<CurveRow>,
     metrics: Vec<MetricsRow>,
     tracks: Tracks,
     learners: Learners,
-    worlds: Vec<(WorldState, Motor)>,
+    worlds: Vec<(WorldState, EngineState)>,
 }
 
 /// Tells specs apart: two that would run differently have different digests.
@@ -67,11 +72,27 @@ fn digest(spec: &RunSpec) -> [u8; 32] {
     hash.finalize().into()
 }
 
+impl Run {
+    /// A run that goes on from [`Run::snapshot`], to the same bits as one never interrupted.
+    ///
+    /// # Errors
+    /// When the bytes are damaged, of another version or of another spec.
+    pub fn restore(spec: RunSpec, bytes: &[u8]) -> Result<Self, RestoreError> {
+        restore(spec, bytes)
+    }
+
+    /// Everything needed to go on, at any step, in the middle of an epoch too. Same state, same
+    /// bytes.
+    pub fn snapshot(&self) -> Vec<u8> {
+        save(self)
+    }
+}
+
 /// The saved state of a run.
-pub(super) fn save(run: &Run) -> Vec<u8> {
+fn save(run: &Run) -> Vec<u8> {
     let saved = SavedRef {
         spec: digest(&run.spec),
-        place: run.place,
+        position: run.position,
         sensori_motor_clusters: run.sensori_motor_clusters,
         curve: &run.curve,
         metrics: &run.metrics,
@@ -80,7 +101,7 @@ pub(super) fn save(run: &Run) -> Vec<u8> {
         worlds: run
             .venues
             .iter()
-            .map(|v| (v.world.state(), v.world.motor()))
+            .map(|v| (v.world.state(), v.world.engine()))
             .collect(),
     };
     // Serializing plain data into memory has no way to fail: no sequence is of unknown length.
@@ -93,7 +114,7 @@ pub(super) fn save(run: &Run) -> Vec<u8> {
 }
 
 /// A run that goes on from saved state.
-pub(super) fn restore(spec: RunSpec, bytes: &[u8]) -> Result<Run, RestoreError> {
+fn restore(spec: RunSpec, bytes: &[u8]) -> Result<Run, RestoreError> {
     let unreadable = |why: &str| RestoreError::Unreadable(why.into());
     let rest = bytes
         .strip_prefix(MAGIC)
@@ -112,22 +133,22 @@ pub(super) fn restore(spec: RunSpec, bytes: &[u8]) -> Result<Run, RestoreError> 
     let misfit = || unreadable("its parts do not fit the spec");
     if saved.worlds.len() != run.venues.len()
         || saved.learners.robots() != run.spec.robots as usize
-        || saved.place.stage as usize > run.stages.len()
+        || saved.position.stage as usize > run.stages.len()
     {
         return Err(misfit());
     }
-    run.place = saved.place;
+    run.position = saved.position;
     run.sensori_motor_clusters = saved.sensori_motor_clusters;
     run.curve = saved.curve;
     run.metrics = saved.metrics;
     run.tracks = saved.tracks;
     run.learners = saved.learners;
-    for (venue, (state, motor)) in run.venues.iter_mut().zip(saved.worlds) {
+    for (venue, (state, engine)) in run.venues.iter_mut().zip(saved.worlds) {
         venue.world = World::restore(
             &venue.ground,
             &run.spec.robot,
             state,
-            motor,
+            engine,
             venue.starts.clone(),
             run.spec.seed,
             venue.site,

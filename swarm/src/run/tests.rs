@@ -5,11 +5,16 @@ mod sharing;
 
 use std::sync::Arc;
 
+use arenas::Arena;
 use rayon::prelude::*;
 
-use super::*;
+use super::{Outcome, Phase, RestoreError, Run, counts_within};
 use crate::robot::RobotModel;
-use crate::spec::{ControllerParameters, ControllerSpec, EngineKind, Method, Placement, Training};
+use crate::spec::{
+    ControllerParameters, ControllerSpec, EngineKind, Episodes, Method, Placement, RunSpec,
+    Sharing, Training,
+};
+use crate::world::Backend;
 
 fn arena(name: &str) -> Arc<Arena> {
     Arc::new(arenas::builtin(name).unwrap())

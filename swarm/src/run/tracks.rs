@@ -2,11 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{ObjectOutcome, Run, TARGET};
-use crate::world::{ObjectPose, Objects};
+use crate::bodies::{ObjectPose, Objects};
 
 /// Most samples that are kept, objects times moments: 2.4 MB.
-const MOST_SAMPLES: usize = 100_000;
+pub(super) const MOST_SAMPLES: usize = 100_000;
 
 /// An object at one moment.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -19,9 +18,9 @@ pub struct ObjectSample {
 
 /// A time at which objects were looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-struct Time {
-    steps: u64,
-    epoch: u32,
+pub(super) struct Time {
+    pub steps: u64,
+    pub epoch: u32,
 }
 
 /// All objects at one moment.
@@ -42,7 +41,7 @@ pub struct Moment<'a> {
 /// from then on only every second one is taken. The first always stays.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Tracks {
-    times: Vec<Time>,
+    pub(super) times: Vec<Time>,
     /// Of each moment all objects.
     samples: Vec<ObjectSample>,
     /// Moments that there have been, kept or not.
@@ -51,7 +50,7 @@ pub struct Tracks {
     halvings: u32,
 }
 
-fn samples(objects: &Objects) -> impl Iterator<Item = ObjectSample> {
+pub(super) fn samples(objects: &Objects) -> impl Iterator<Item = ObjectSample> {
     let figures = objects.poses.iter().zip(&objects.moved_m);
     figures.map(|(&pose, &moved_m)| ObjectSample { pose, moved_m })
 }
@@ -81,7 +80,7 @@ impl Tracks {
     }
 
     /// Takes a moment in, if it is one of those that are kept.
-    fn offer(&mut self, time: Time, objects: &Objects, most: usize) {
+    pub(super) fn offer(&mut self, time: Time, objects: &Objects, most: usize) {
         if objects.poses.is_empty() {
             return;
         }
@@ -100,7 +99,7 @@ impl Tracks {
         self.push(time, objects);
     }
 
-    fn push(&mut self, time: Time, objects: &Objects) {
+    pub(super) fn push(&mut self, time: Time, objects: &Objects) {
         self.times.push(time);
         self.samples.extend(samples(objects));
     }
@@ -112,57 +111,6 @@ impl Tracks {
         let moments = self.samples.chunks_exact(objects).step_by(2);
         self.samples = moments.flatten().copied().collect();
         self.halvings += 1;
-    }
-}
-
-impl Run {
-    fn time(&self) -> Time {
-        Time {
-            steps: self.venues[TARGET].world.state().tally.steps(),
-            epoch: self.curve.len() as u32,
-        }
-    }
-
-    /// Takes the present moment into the tracks of objects.
-    pub(super) fn track_objects(&mut self) {
-        let time = self.time();
-        let objects = &self.venues[TARGET].world.state().objects;
-        self.tracks.offer(time, objects, MOST_SAMPLES);
-    }
-
-    /// The movable objects of the target arena over time; the last moment is the present one.
-    pub fn tracks(&self) -> Tracks {
-        let mut tracks = self.tracks.clone();
-        let time = self.time();
-        let objects = &self.venues[TARGET].world.state().objects;
-        if !objects.poses.is_empty() && tracks.times.last().is_none_or(|l| l.steps != time.steps) {
-            tracks.push(time, objects);
-        }
-        tracks
-    }
-
-    /// Movable objects of the arena that robots are in right now.
-    pub fn objects_here(&self) -> &Objects {
-        &self.venues[self.venue()].world.state().objects
-    }
-
-    /// What became of the movable objects of the target arena.
-    pub fn objects(&self) -> Vec<ObjectOutcome> {
-        let made = self.spec.arena.objects().iter();
-        made.zip(samples(&self.venues[TARGET].world.state().objects))
-            .map(|(object, ObjectSample { pose, moved_m })| {
-                let (dx_m, dy_m) = (
-                    f64::from(pose.x_m) - object.centre().x,
-                    f64::from(pose.y_m) - object.centre().y,
-                );
-                ObjectOutcome {
-                    kind: object.kind(),
-                    pose,
-                    moved_m,
-                    displaced_m: (dx_m * dx_m + dy_m * dy_m).sqrt(),
-                }
-            })
-            .collect()
     }
 }
 

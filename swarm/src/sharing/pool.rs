@@ -1,6 +1,6 @@
 //! A common sample of what all robots saw, from which their common codebook is made.
 
-use crate::pilots::Watch;
+use crate::controllers::Watch;
 
 /// What k-means needs for a codebook.
 pub struct Pooled {
@@ -32,8 +32,8 @@ pub fn pool(watches: &[&Watch], cap: u32) -> Pooled {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::plan;
     use super::*;
+    use crate::caps::MemoryPlan;
     use crate::random::Stream;
     use crate::spec::ControllerParameters;
 
@@ -42,7 +42,7 @@ mod tests {
         let p = ControllerParameters::default();
         let watches: Vec<Watch> = (0..3)
             .map(|robot| {
-                let mut watch = Watch::new(&p, &plan(), Stream::new(robot));
+                let mut watch = Watch::new(&p, &MemoryPlan::small(), Stream::new(robot));
                 for n in 0..20 {
                     let mark = [robot as f32, n as f32];
                     watch.observe(&[n as f32; 8], mark);

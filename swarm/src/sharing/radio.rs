@@ -11,14 +11,15 @@
 //! All tell what they knew before any message of the step arrived, and hear in an order that
 //! depends on robot and step alone.
 
-use super::{MOST_HEARD, RadioLink, Told, told_transitions};
+use super::told::{MOST_HEARD, Told, told_transitions};
+use crate::bodies::Bodies;
+use crate::caps::MemoryPlan;
+use crate::controllers::{Controller, Controllers, Crawler, Explorer};
 use crate::lanes::F8;
 use crate::learn::perceptron::WEIGHTS;
-use crate::memory::MemoryPlan;
-use crate::pilot::{Crew, Pilot};
-use crate::pilots::{Crawler, Explorer, Transition};
+use crate::learn::transition::Transition;
 use crate::random::{below, draw};
-use crate::world::Bodies;
+use crate::spec::RadioLink;
 
 /// Bytes of a genome and its fitness.
 const GENOME_BYTES: u32 = (WEIGHTS * size_of::<f32>() + size_of::<f64>()) as u32;
@@ -234,60 +235,60 @@ fn cells(length_m: f32, cell_m: f32) -> usize {
     ((length_m / cell_m).ceil() as usize).max(1)
 }
 
-/// Pilots that have something to tell by radio.
-pub trait Tell: Pilot + Sized {
+/// Controllers that have something to tell by radio.
+pub trait Tell: Controller + Sized {
     /// Lets all robots of a step hear what those in range tell.
-    fn exchange(radio: &mut Radio, pilots: &mut [Self], step: u64, bodies: &Bodies);
+    fn exchange(radio: &mut Radio, controllers: &mut [Self], step: u64, bodies: &Bodies);
 }
 
 impl Tell for Crawler {
-    fn exchange(radio: &mut Radio, pilots: &mut [Self], step: u64, bodies: &Bodies) {
-        radio.exchange_genomes(pilots, step, bodies);
+    fn exchange(radio: &mut Radio, controllers: &mut [Self], step: u64, bodies: &Bodies) {
+        radio.exchange_genomes(controllers, step, bodies);
     }
 }
 
 impl Tell for Explorer {
-    fn exchange(radio: &mut Radio, pilots: &mut [Self], step: u64, bodies: &Bodies) {
-        radio.exchange_transitions(pilots, step, bodies);
+    fn exchange(radio: &mut Radio, controllers: &mut [Self], step: u64, bodies: &Bodies) {
+        radio.exchange_transitions(controllers, step, bodies);
     }
 }
 
 /// Robots with radios.
-pub struct Talkers<'a, P> {
+pub struct RadioControllers<'a, P> {
     /// The robots.
-    pub pilots: &'a mut [P],
+    pub controllers: &'a mut [P],
     /// Their radios.
     pub radio: &'a mut Radio,
 }
 
-impl<P: Tell> Crew for Talkers<'_, P> {
+impl<P: Tell> Controllers for RadioControllers<'_, P> {
     #[inline(always)]
     fn len(&self) -> usize {
-        self.pilots.len()
+        self.controllers.len()
     }
 
     #[inline(always)]
     fn act(&mut self, robot: usize, step: u64, raw: &F8) -> [f32; 2] {
-        self.pilots[robot].act(step, raw)
+        self.controllers[robot].act(step, raw)
     }
 
     #[inline(always)]
     fn learn(&mut self, robot: usize, raw: &F8) {
-        self.pilots[robot].learn(raw);
+        self.controllers[robot].learn(raw);
     }
 
     #[inline(always)]
     fn expect_acting(&self, robot: usize) {
-        self.pilots[robot].expect_acting();
+        self.controllers[robot].expect_acting();
     }
 
     #[inline(always)]
     fn expect_learning(&self, robot: usize) {
-        self.pilots[robot].expect_learning();
+        self.controllers[robot].expect_learning();
     }
 
     fn end_step(&mut self, step: u64, bodies: &Bodies) {
-        P::exchange(self.radio, self.pilots, step, bodies);
+        P::exchange(self.radio, self.controllers, step, bodies);
     }
 }
 

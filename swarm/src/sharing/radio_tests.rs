@@ -2,10 +2,9 @@
 #![allow(clippy::unwrap_used)]
 
 use super::*;
+use crate::bodies::{Body, StartPose};
 use crate::random::{Purpose, Site, Stream, stream_key};
-use crate::sharing::DEFAULT_BYTES_PER_STEP;
-use crate::sharing::testing::plan;
-use crate::world::{Bodies, Body, StartPose};
+use crate::spec::DEFAULT_BYTES_PER_STEP;
 
 fn radio(range_m: Option<f64>, robots: usize) -> Radio {
     let link = RadioLink {
@@ -13,7 +12,7 @@ fn radio(range_m: Option<f64>, robots: usize) -> Radio {
         bytes_per_step: DEFAULT_BYTES_PER_STEP,
     };
     let key = stream_key(1, Site::Target, 0, Purpose::Radio);
-    Radio::new(&link, &plan(), robots, (3.0, 2.0), key)
+    Radio::new(&link, &MemoryPlan::small(), robots, (3.0, 2.0), key)
 }
 
 fn scattered(robots: usize, seed: u64) -> Bodies {
@@ -96,7 +95,7 @@ fn messages_are_as_long_as_their_bytes_allow() {
         };
         let plan = MemoryPlan {
             sensor_clusters,
-            ..plan()
+            ..MemoryPlan::small()
         };
         told_transitions(&link, &plan).earlier
     };

@@ -5,11 +5,8 @@
 //! of one robot, so nothing is gained by an array for each quantity, and neighbours are met at
 //! random.
 
-mod bodies;
-mod body;
 mod grid;
 mod object_grid;
-mod objects;
 mod step;
 mod tally;
 #[cfg(test)]
@@ -21,20 +18,18 @@ use arenas::index::WallIndex;
 use arenas::{Arena, Squares};
 use serde::{Deserialize, Serialize};
 
-pub use bodies::Bodies;
-pub use body::{Body, StartPose};
 use grid::Grid;
 use object_grid::ObjectGrid;
-pub use objects::{ObjectPose, Objects};
 pub use tally::{SAMPLED_ROBOTS, Tally};
 
-use crate::drive::Drive;
-use crate::engine::Motor;
+pub use crate::bodies::{Bodies, Body, ObjectPose, Objects, StartPose};
+use crate::engine::EngineState;
 use crate::engine::crowd::Crowd;
+use crate::engine::drive::Drive;
 use crate::engine::kinematic::Contact;
 use crate::random::{Purpose, Site, stream_key};
 use crate::robot::RobotModel;
-use crate::sense::Optics;
+use crate::sensors::proximity::Optics;
 use crate::spec::EngineKind;
 
 /// Saved state of all robots of an arena.
@@ -55,6 +50,9 @@ pub struct WorldState {
     /// Movable objects.
     pub objects: Objects,
 }
+
+/// Entries from which on a square counts for p1, p2, p5 and p10.
+pub const COVERAGE_LEVELS: [u32; 4] = [1, 2, 5, 10];
 
 /// Which instructions the step loop is compiled for. All give the same bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,7 +77,7 @@ impl Backend {
 /// Robots in one arena.
 pub struct World {
     state: WorldState,
-    motor: Motor,
+    engine: EngineState,
     backend: Backend,
     /// Whether visits are counted in this stage.
     counting: bool,
@@ -130,7 +128,7 @@ impl World {
     pub fn new(
         ground: &Ground,
         model: &RobotModel,
-        engine: EngineKind,
+        kind: EngineKind,
         starts: Vec<StartPose>,
         seed: u64,
         site: Site,
@@ -145,8 +143,8 @@ impl World {
             tally: Tally::default(),
             objects: Objects::new(&ground.arena),
         };
-        let motor = Motor::new(engine, &ground.arena, model, &starts);
-        let mut world = Self::assemble(ground, model, state, motor, starts, seed, site);
+        let engine = EngineState::new(kind, &ground.arena, model, &starts);
+        let mut world = Self::assemble(ground, model, state, engine, starts, seed, site);
         world.reset();
         world
     }
@@ -155,7 +153,7 @@ impl World {
         ground: &Ground,
         model: &RobotModel,
         state: WorldState,
-        motor: Motor,
+        engine: EngineState,
         starts: Vec<StartPose>,
         seed: u64,
         site: Site,
@@ -182,7 +180,7 @@ impl World {
         });
         Self {
             state,
-            motor,
+            engine,
             backend: Backend::detect(),
             counting: false,
             index: Arc::clone(&ground.index),
@@ -210,7 +208,7 @@ impl World {
         ground: &Ground,
         model: &RobotModel,
         state: WorldState,
-        motor: Motor,
+        engine: EngineState,
         starts: Vec<StartPose>,
         seed: u64,
         site: Site,
@@ -227,7 +225,7 @@ impl World {
         if !fits {
             return None;
         }
-        let mut world = Self::assemble(ground, model, state, motor, starts, seed, site);
+        let mut world = Self::assemble(ground, model, state, engine, starts, seed, site);
         world.find_neighbours();
         Some(world)
     }
@@ -238,8 +236,8 @@ impl World {
     }
 
     /// The engine, for snapshots.
-    pub fn motor(&self) -> &Motor {
-        &self.motor
+    pub fn engine(&self) -> &EngineState {
+        &self.engine
     }
 
     /// Robots.
@@ -283,7 +281,7 @@ impl World {
     pub fn coverage(&self) -> [u32; 4] {
         let mut counts = [0; 4];
         for visit in &self.state.visits {
-            for (count, least) in counts.iter_mut().zip([1, 2, 5, 10]) {
+            for (count, least) in counts.iter_mut().zip(COVERAGE_LEVELS) {
                 *count += u32::from(visit[0] >= least);
             }
         }
@@ -310,9 +308,9 @@ impl World {
         for (number, start) in self.starts.iter().enumerate() {
             self.state.bodies.get_mut(number).put_back(start);
         }
-        self.motor.place(&self.state.bodies);
+        self.engine.place(&self.state.bodies);
         self.settled_steps = 0;
-        if let Motor::Rapier(rigid) = &self.motor {
+        if let EngineState::Rapier(rigid) = &self.engine {
             self.state.objects.follow(rigid.objects(), false);
         }
         self.enter_squares();

@@ -7,8 +7,9 @@
 use arenas::Arena;
 use arenas::index::grid_coordinate;
 
-use super::ObjectPose;
-use super::objects::Shape;
+use crate::bodies::{ObjectPose, Shape};
+use crate::lanes::F8;
+use crate::sensors::proximity::{Optics, Rays};
 
 /// Cells aimed at, at most.
 const CELLS: f64 = 4_096.0;
@@ -140,6 +141,23 @@ impl ObjectGrid {
     #[inline(always)]
     pub fn shape(&self, number: usize) -> (&Shape, f32) {
         (&self.shapes[number], self.sights_m[number])
+    }
+
+    /// Shortens `best` by the objects that a robot at (x, y) can see; the grid is up to date.
+    pub fn see(
+        &self,
+        optics: &Optics,
+        poses: &[ObjectPose],
+        rays: &Rays,
+        (x_m, y_m): (f32, f32),
+        mut best: F8,
+    ) -> F8 {
+        for &number in self.near(x_m, y_m) {
+            let pose = &poses[number as usize];
+            let (shape, sight_m) = self.shape(number as usize);
+            best = optics.to_object(shape, pose, sight_m, rays, (x_m, y_m), best);
+        }
+        best
     }
 
     /// Bytes held. No list outgrows its capacity.

@@ -4,11 +4,10 @@
 //! the order of robots cannot matter. They are taken in the order in which they are stored, which
 //! is put in the order of cells now and then, so that what is read together stays in the cache.
 
-use super::objects::see;
 use super::{Backend, World, WorldState};
-use crate::engine::Motor;
+use crate::controllers::{Controller, Controllers};
+use crate::engine::EngineState;
 use crate::lanes::F8;
-use crate::pilot::{Crew, Pilot};
 use crate::random::{mix64, unit};
 
 /// Odd, close to 2^64 / golden ratio: spreads counters over all words.
@@ -22,19 +21,19 @@ const AHEAD: usize = 4;
 const SETTLED_STEPS: u32 = 256;
 
 impl World {
-    /// Moves every robot `steps` times; `pilots` has one entry a robot.
-    pub fn advance<P: Pilot>(&mut self, pilots: &mut [P], steps: u64) {
-        self.advance_crew(pilots, steps);
+    /// Moves every robot `steps` times; `controllers` has one entry a robot.
+    pub fn advance<P: Controller>(&mut self, controllers: &mut [P], steps: u64) {
+        self.advance_all(controllers, steps);
     }
 
     /// As [`World::advance`], with robots that may have to do with each other.
-    pub fn advance_crew<C: Crew + ?Sized>(&mut self, crew: &mut C, steps: u64) {
-        assert_eq!(crew.len(), self.robots(), "one pilot a robot");
+    pub fn advance_all<C: Controllers + ?Sized>(&mut self, controllers: &mut C, steps: u64) {
+        assert_eq!(controllers.len(), self.robots(), "one controller a robot");
         match self.backend {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: `Avx2` is only ever set after detection.
-            Backend::Avx2 => unsafe { advance_avx2(self, crew, steps) },
-            _ => self.steps(crew, steps),
+            Backend::Avx2 => unsafe { advance_avx2(self, controllers, steps) },
+            _ => self.steps(controllers, steps),
         }
     }
 
@@ -49,29 +48,29 @@ impl World {
     }
 
     #[inline(always)]
-    fn steps<C: Crew + ?Sized>(&mut self, crew: &mut C, steps: u64) {
+    fn steps<C: Controllers + ?Sized>(&mut self, controllers: &mut C, steps: u64) {
         for _ in 0..steps {
-            self.decide_and_drive(crew);
+            self.decide_and_drive(controllers);
             self.collide();
             self.account();
             self.sense();
-            self.learn(crew);
-            crew.end_step(self.state.step, &self.state.bodies);
+            self.learn(controllers);
+            controllers.end_step(self.state.step, &self.state.bodies);
             self.state.step += 1;
         }
     }
 
     #[inline(always)]
-    fn decide_and_drive<C: Crew + ?Sized>(&mut self, crew: &mut C) {
+    fn decide_and_drive<C: Controllers + ?Sized>(&mut self, controllers: &mut C) {
         let step = self.state.step;
         let drive = &self.drive;
-        let alone = matches!((&self.motor, &self.crowd), (Motor::Kinematic, None));
+        let alone = matches!((&self.engine, &self.crowd), (EngineState::Kinematic, None));
         let (bodies, numbers) = self.state.bodies.stored_mut();
         for (i, body) in bodies.iter_mut().enumerate() {
             if i + AHEAD < numbers.len() {
-                crew.expect_acting(numbers[i + AHEAD] as usize);
+                controllers.expect_acting(numbers[i + AHEAD] as usize);
             }
-            let command = crew.act(numbers[i] as usize, step, &F8(body.sensors));
+            let command = controllers.act(numbers[i] as usize, step, &F8(body.sensors));
             body.command = command;
             let left = drive.accelerate(body.wheels_rad_s[0], command[0]);
             let right = drive.accelerate(body.wheels_rad_s[1], command[1]);
@@ -95,30 +94,30 @@ impl World {
     }
 
     #[inline(always)]
-    fn learn<C: Crew + ?Sized>(&mut self, crew: &mut C) {
+    fn learn<C: Controllers + ?Sized>(&mut self, controllers: &mut C) {
         let (bodies, numbers) = self.state.bodies.stored_mut();
         for (i, body) in bodies.iter().enumerate() {
             if i + AHEAD < numbers.len() {
-                crew.expect_learning(numbers[i + AHEAD] as usize);
+                controllers.expect_learning(numbers[i + AHEAD] as usize);
             }
-            crew.learn(numbers[i] as usize, &F8(body.sensors));
+            controllers.learn(numbers[i] as usize, &F8(body.sensors));
         }
     }
 
     #[inline(always)]
     fn collide(&mut self) {
         let bodies = &mut self.state.bodies;
-        match (&mut self.motor, &mut self.crowd) {
+        match (&mut self.engine, &mut self.crowd) {
             // Moved as soon as it was driven.
-            (Motor::Kinematic, None) => {}
-            (Motor::Kinematic, Some(crowd)) => {
+            (EngineState::Kinematic, None) => {}
+            (EngineState::Kinematic, Some(crowd)) => {
                 let (bodies, _) = bodies.stored_mut();
                 for body in bodies.iter_mut() {
                     self.contact.move_body(&self.index, body);
                 }
                 crowd.separate(&self.contact, &self.index, bodies);
             }
-            (Motor::Rapier(engine), crowd) => {
+            (EngineState::Rapier(engine), crowd) => {
                 engine.step(bodies);
                 if let Some(crowd) = crowd {
                     // rapier's contacts are soft: what is left of an overlap is parted here.
@@ -212,7 +211,7 @@ impl World {
         let (optics, index) = (&self.optics, &*self.index);
         let poses = &self.state.objects.poses[..];
         self.object_grid.update(poses);
-        let objects = (poses, &self.object_grid);
+        let objects = &self.object_grid;
         let counter = self.state.readings.wrapping_mul(SPREAD);
         self.state.readings += 1;
         let (bodies, numbers) = self.state.bodies.stored_mut();
@@ -221,8 +220,9 @@ impl World {
                 for (body, key) in bodies.iter_mut().zip(&self.noise_keys) {
                     let rays = optics.rays(body.x_m, body.y_m, body.cos, body.sin);
                     let mut distance_m = optics.to_walls(&rays, index, body.x_m, body.y_m);
-                    if !objects.0.is_empty() {
-                        distance_m = see(optics, objects, &rays, (body.x_m, body.y_m), distance_m);
+                    if !poses.is_empty() {
+                        distance_m =
+                            objects.see(optics, poses, &rays, (body.x_m, body.y_m), distance_m);
                     }
                     body.sensors = optics
                         .respond(distance_m, mix64(key.wrapping_add(counter)))
@@ -239,8 +239,8 @@ impl World {
                     for &[ox_m, oy_m] in robots {
                         distance_m = optics.to_robot(&rays, ox_m, oy_m, distance_m);
                     }
-                    if !objects.0.is_empty() {
-                        distance_m = see(optics, objects, &rays, (x_m, y_m), distance_m);
+                    if !poses.is_empty() {
+                        distance_m = objects.see(optics, poses, &rays, (x_m, y_m), distance_m);
                     }
                     let word = mix64(self.noise_keys[slot].wrapping_add(counter));
                     body.sensors = optics.respond(distance_m, word).0;
@@ -277,8 +277,8 @@ impl World {
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn advance_avx2<C: Crew + ?Sized>(world: &mut World, crew: &mut C, steps: u64) {
-    world.steps(crew, steps);
+fn advance_avx2<C: Controllers + ?Sized>(world: &mut World, controllers: &mut C, steps: u64) {
+    world.steps(controllers, steps);
 }
 
 #[cfg(target_arch = "x86_64")]

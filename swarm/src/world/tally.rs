@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Bodies, Body};
+use crate::bodies::{Bodies, Body};
 
 /// Most robots whose squares are remembered one by one: every n-th, evenly spread over the numbers.
 pub const SAMPLED_ROBOTS: usize = 256;
@@ -125,7 +125,7 @@ impl Tally {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::world::StartPose;
+    use crate::bodies::StartPose;
 
     #[test]
     fn samples_are_bounded_and_spread() {

@@ -8,9 +8,8 @@ use std::sync::Arc;
 use proptest::prelude::*;
 
 use super::*;
+use crate::controllers::{Brownian, Controller};
 use crate::lanes::F8;
-use crate::pilot::Pilot;
-use crate::pilots::Brownian;
 use crate::random::{Stream, draw, unit};
 
 /// Drives at random, in stretches, at full speed.
@@ -19,7 +18,7 @@ struct Bumper {
     stretch: u64,
 }
 
-impl Pilot for Bumper {
+impl Controller for Bumper {
     fn act(&mut self, step: u64, _raw: &F8) -> [f32; 2] {
         let bits = draw(self.key, step / self.stretch);
         [
@@ -181,14 +180,14 @@ fn rays_agree_with_brute_force() {
             EngineKind::Kinematic,
             vec![at(start.x_m, start.y_m, start.heading_rad)],
         );
-        let mut pilots = [Bumper {
+        let mut controllers = [Bumper {
             key: 3,
             stretch: 40,
         }];
         let range = model.response.range_m();
         let mut differing = 0;
         for _ in 0..4_000 {
-            world.advance(&mut pilots, 1);
+            world.advance(&mut controllers, 1);
             let state = world.state();
             let (x, y) = (
                 f64::from(state.bodies[0].x_m),
@@ -269,13 +268,13 @@ fn engines_agree_in_free_motion() {
     let ground = open(&model);
     let run = |engine| {
         let mut world = world(&ground, &model, engine, vec![at(25.0, 25.0, 0.5)]);
-        let mut pilots = [Bumper {
+        let mut controllers = [Bumper {
             key: 9,
             stretch: 15,
         }];
         let mut path = Vec::new();
         for _ in 0..1_000 {
-            world.advance(&mut pilots, 1);
+            world.advance(&mut controllers, 1);
             let state = world.state();
             path.push((
                 f64::from(state.bodies[0].x_m),
@@ -301,13 +300,13 @@ fn engines_agree_statistically_in_contact() {
         let starts = vec![at(start.x_m, start.y_m, start.heading_rad)];
         let mut world = world(&ground, &model, engine, starts);
         world.set_counting(true);
-        let mut pilots = [Bumper {
+        let mut controllers = [Bumper {
             key: 2,
             stretch: 25,
         }];
         for _ in 0..20 {
             world.reset();
-            world.advance(&mut pilots, 2_000);
+            world.advance(&mut controllers, 2_000);
         }
         (
             f64::from(world.coverage()[0]),
@@ -341,7 +340,7 @@ fn slides_along_a_wall_as_friction_says() {
         );
         let mut world = world(&ground, &model, EngineKind::Kinematic, vec![start]);
         struct Ahead;
-        impl Pilot for Ahead {
+        impl Controller for Ahead {
             fn act(&mut self, _: u64, _: &F8) -> [f32; 2] {
                 [1.0; 2]
             }
@@ -378,9 +377,9 @@ proptest! {
         let start = ground.arena.starts()[0];
         let starts = vec![at(start.x_m, start.y_m, start.heading_rad)];
         let mut world = world(&ground, &model, EngineKind::Kinematic, starts);
-        let mut pilots = [Bumper { key, stretch }];
+        let mut controllers = [Bumper { key, stretch }];
         for _ in 0..3_000 {
-            world.advance(&mut pilots, 1);
+            world.advance(&mut controllers, 1);
             let deepest = deepest_in_wall(&world, &ground.arena, model.parameters.body_radius_m);
             prop_assert!(deepest < 1.1e-5, "{deepest}");
         }
@@ -399,9 +398,9 @@ proptest! {
             &ground.arena, &model, &ground.index, crate::spec::Placement::Random, 18, key, Site::Target,
         ).unwrap();
         let mut world = world(&ground, &model, EngineKind::Kinematic, starts);
-        let mut pilots: Vec<_> = (0..18).map(|i| Bumper { key: key ^ i, stretch }).collect();
+        let mut controllers: Vec<_> = (0..18).map(|i| Bumper { key: key ^ i, stretch }).collect();
         for _ in 0..600 {
-            world.advance(&mut pilots, 1);
+            world.advance(&mut controllers, 1);
             let overlap = deepest_overlap(&world, model.parameters.body_radius_m);
             prop_assert!(overlap < 1e-4, "overlap {overlap}");
             let deepest = deepest_in_wall(&world, &ground.arena, model.parameters.body_radius_m);
@@ -420,8 +419,8 @@ fn portable_and_avx2_give_the_same_bits_over_100_000_steps() {
         let mut world = world(&ground, &model, EngineKind::Kinematic, starts);
         world.set_backend(backend);
         world.set_counting(true);
-        let mut pilots = [Brownian::new(6)];
-        world.advance(&mut pilots, 100_000);
+        let mut controllers = [Brownian::new(6)];
+        world.advance(&mut controllers, 100_000);
         (
             world.state().bodies[0].x_m.to_bits(),
             world.state().bodies[0].sin.to_bits(),
@@ -451,11 +450,11 @@ fn deepest_in_a_million_robot_steps(engine: EngineKind) -> (f64, f64) {
     )
     .unwrap();
     let mut world = world(&ground, &model, engine, starts);
-    let mut pilots: Vec<_> = (0..100).map(|key| Bumper { key, stretch: 20 }).collect();
+    let mut controllers: Vec<_> = (0..100).map(|key| Bumper { key, stretch: 20 }).collect();
     let radius_m = model.parameters.body_radius_m;
     let (mut overlap_m, mut wall_m) = (0.0_f64, 0.0_f64);
     for _ in 0..10_000 {
-        world.advance(&mut pilots, 1);
+        world.advance(&mut controllers, 1);
         overlap_m = overlap_m.max(deepest_overlap(&world, radius_m));
         wall_m = wall_m.max(deepest_in_wall(&world, &ground.arena, radius_m));
     }

@@ -8,8 +8,8 @@ use arenas::{Arena, Movable};
 use rapier2d::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::Settings;
-use crate::world::ObjectPose;
+use super::settings::Settings;
+use crate::bodies::ObjectPose;
 
 /// Metres a second squared.
 const GRAVITY_M_S2: f64 = 9.81;

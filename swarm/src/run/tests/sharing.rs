@@ -1,7 +1,7 @@
 //! Whole runs that share, have budgets, or learn on line.
 
 use super::*;
-use crate::sharing::{DEFAULT_BYTES_PER_STEP, RadioLink};
+use crate::spec::{DEFAULT_BYTES_PER_STEP, RadioLink};
 
 fn radio(range_m: Option<f64>, bytes_per_step: u32) -> Sharing {
     Sharing::Radio(RadioLink {

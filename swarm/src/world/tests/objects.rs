@@ -1,8 +1,8 @@
 //! Movable objects: seen where they are, pushed, never lost.
 
 use super::super::object_grid::ObjectGrid;
-use super::super::objects::{Shape, see};
 use super::*;
+use crate::bodies::Shape;
 
 /// A room of 1 m with these objects and a start at its centre.
 fn room(objects: &str, model: &RobotModel) -> Ground {
@@ -15,7 +15,7 @@ fn room(objects: &str, model: &RobotModel) -> Ground {
 
 struct Ahead;
 
-impl Pilot for Ahead {
+impl Controller for Ahead {
     fn act(&mut self, _: u64, _: &F8) -> [f32; 2] {
         [1.0; 2]
     }
@@ -125,11 +125,11 @@ proptest! {
                 let turn = std::f64::consts::TAU * stream.uniform();
                 let rays = optics.rays(x, y, turn.cos() as f32, turn.sin() as f32);
                 let far = F8::splat(10.0);
-                let seen = see(&optics, (&poses, &grid), &rays, (x, y), far);
+                let seen = grid.see(&optics, &poses, &rays, (x, y), far);
                 let mut expected = far;
                 for (number, pose) in poses.iter().enumerate() {
                     let sight_m = optics.sight_m() as f32 + shapes[number].reach_m();
-                    expected = shapes[number].see(&optics, pose, sight_m, &rays, (x, y), expected);
+                    expected = optics.to_object(&shapes[number], pose, sight_m, &rays, (x, y), expected);
                 }
                 prop_assert_eq!(seen.0.map(f32::to_bits), expected.0.map(f32::to_bits));
                 met += usize::from(expected.0 != far.0);
@@ -195,7 +195,7 @@ fn nothing_moves_by_itself_and_a_reset_puts_everything_back() {
 /// Drives ahead for some steps, then stands.
 struct AheadUntil(u64);
 
-impl Pilot for AheadUntil {
+impl Controller for AheadUntil {
     fn act(&mut self, step: u64, _: &F8) -> [f32; 2] {
         if step < self.0 { [1.0; 2] } else { [0.0; 2] }
     }
@@ -243,9 +243,9 @@ proptest! {
             }
         }
         let mut world = world(&ground, &model, EngineKind::Rapier, starts);
-        let mut pilots: Vec<_> = (0..6).map(|i| Bumper { key: key ^ i, stretch }).collect();
+        let mut controllers: Vec<_> = (0..6).map(|i| Bumper { key: key ^ i, stretch }).collect();
         for _ in 0..800 {
-            world.advance(&mut pilots, 1);
+            world.advance(&mut controllers, 1);
             let state = world.state();
             for (object, pose) in ground.arena.objects().iter().zip(&state.objects.poses) {
                 prop_assert!(pose.x_m > 0.0 && pose.x_m < 0.6 && pose.y_m > 0.0 && pose.y_m < 0.6);

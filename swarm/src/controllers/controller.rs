@@ -1,34 +1,34 @@
 //! What steers robots: from sensors to wheel commands, and what is learnt from the next sensors.
 
+use crate::bodies::Bodies;
 use crate::lanes::F8;
-use crate::world::Bodies;
 
 /// One robot's control program, called once before and once after every move.
 ///
 /// Implementations are compiled into the step loop: they allocate nothing and mark both methods
 /// `#[inline(always)]`.
-pub trait Pilot: Send {
+pub trait Controller: Send {
     /// Wheel commands, left and right in [-1, 1], at an arena's step. `raw` are the sensor values.
     fn act(&mut self, step: u64, raw: &F8) -> [f32; 2];
 
     /// Sees the sensor values after the move.
     fn learn(&mut self, raw: &F8);
 
-    /// Called a few robots before [`Pilot::act`]: the place to ask for memory that it will need.
+    /// Called a few robots before [`Controller::act`]: the place to ask for memory that it will need.
     #[inline(always)]
     fn expect_acting(&self) {}
 
-    /// Called a few robots before [`Pilot::learn`]: the place to ask for memory that it will need.
+    /// Called a few robots before [`Controller::learn`]: the place to ask for memory that it will need.
     #[inline(always)]
     fn expect_learning(&self) {}
 }
 
-/// The control programs of all robots of an arena: one pilot each, or robots that have to do with
+/// The control programs of all robots of an arena: one controller each, or robots that have to do with
 /// each other. `robot` is a robot's number.
 ///
 /// In whatever order the robots are taken within a step, the result has to be the same: what
-/// robots tell each other waits for [`Crew::end_step`].
-pub trait Crew {
+/// robots tell each other waits for [`Controllers::end_step`].
+pub trait Controllers {
     /// Robots.
     fn len(&self) -> usize;
 
@@ -37,17 +37,17 @@ pub trait Crew {
         self.len() == 0
     }
 
-    /// As [`Pilot::act`].
+    /// As [`Controller::act`].
     fn act(&mut self, robot: usize, step: u64, raw: &F8) -> [f32; 2];
 
-    /// As [`Pilot::learn`].
+    /// As [`Controller::learn`].
     fn learn(&mut self, robot: usize, raw: &F8);
 
-    /// As [`Pilot::expect_acting`].
+    /// As [`Controller::expect_acting`].
     #[inline(always)]
     fn expect_acting(&self, _robot: usize) {}
 
-    /// As [`Pilot::expect_learning`].
+    /// As [`Controller::expect_learning`].
     #[inline(always)]
     fn expect_learning(&self, _robot: usize) {}
 
@@ -56,7 +56,7 @@ pub trait Crew {
     fn end_step(&mut self, _step: u64, _bodies: &Bodies) {}
 }
 
-impl<P: Pilot> Crew for [P] {
+impl<P: Controller> Controllers for [P] {
     #[inline(always)]
     fn len(&self) -> usize {
         <[P]>::len(self)

@@ -2,65 +2,18 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Scaling, sensori_motor};
+use super::controller::Controller;
+use super::scaling::{Scaling, sensori_motor};
+use super::watch::Watch;
+use crate::caps::MemoryPlan;
 use crate::lanes::F8;
 use crate::learn::archive::Archive;
 use crate::learn::epsilon_clustering::EpsilonClustering;
 use crate::learn::evolution::Evolution;
 use crate::learn::objective::{curiosity, discovery};
 use crate::learn::perceptron::{Perceptron, WEIGHTS};
-use crate::learn::reservoir::Reservoir;
-use crate::memory::MemoryPlan;
-use crate::pilot::Pilot;
 use crate::random::Stream;
 use crate::spec::{ControllerParameters, Objective};
-
-/// What phase 1 keeps for phase 2.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Watch {
-    /// Clusters of sensor vectors; their number becomes that of the states.
-    pub sensors: EpsilonClustering<8>,
-    /// Clusters of commands; their number becomes that of the actions.
-    pub actuators: EpsilonClustering<2>,
-    /// A uniform sample of the sensori-motor vectors.
-    pub sample: Reservoir<10>,
-}
-
-impl Watch {
-    /// Nothing seen yet.
-    pub fn new(p: &ControllerParameters, plan: &MemoryPlan, sampling: Stream) -> Self {
-        Self {
-            sensors: EpsilonClustering::new(p.epsilon_sensor, plan.sensor_clusters),
-            actuators: EpsilonClustering::new(p.epsilon_actuator, plan.actuator_clusters),
-            sample: Reservoir::new(plan.sample, sampling),
-        }
-    }
-
-    /// Takes in a sensor vector and the command given in answer to it.
-    #[inline(always)]
-    pub fn observe(&mut self, sensors: &[f32; 8], command: [f32; 2]) {
-        self.sensors.observe(sensors);
-        self.actuators.observe(&command);
-        self.sample.offer(&sensori_motor(sensors, command));
-    }
-
-    /// Vectors that found no room for a cluster of their own.
-    pub fn saturated(&self) -> u64 {
-        self.sensors.saturated() + self.actuators.saturated()
-    }
-
-    /// Bytes held besides the value itself.
-    pub fn heap_bytes_for(plan: &MemoryPlan) -> u64 {
-        EpsilonClustering::<8>::heap_bytes_for(plan.sensor_clusters)
-            + EpsilonClustering::<2>::heap_bytes_for(plan.actuator_clusters)
-            + Reservoir::<10>::heap_bytes_for(plan.sample)
-    }
-
-    /// Bytes held besides the value itself, exactly counted.
-    pub fn heap_bytes(&self) -> u64 {
-        self.sensors.heap_bytes() + self.actuators.heap_bytes() + self.sample.heap_bytes()
-    }
-}
 
 /// A robot in phase 1, or of an evolved baseline.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -250,7 +203,7 @@ impl Crawler {
     }
 }
 
-impl Pilot for Crawler {
+impl Controller for Crawler {
     #[inline(always)]
     fn act(&mut self, _step: u64, raw: &F8) -> [f32; 2] {
         let sensors = self.scaling.apply(raw);

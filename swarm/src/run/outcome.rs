@@ -1,29 +1,15 @@
 //! What a run tells its owner.
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
-use super::Metrics;
+use super::coverage::CurveRow;
+use super::metrics::Metrics;
+use super::robot_memory::RobotMemory;
+use crate::bodies::ObjectPose;
+use crate::caps::MemoryPlan;
 use crate::learn::accuracy::Divergence;
-use crate::memory::MemoryPlan;
-use crate::named_choice;
 use crate::spec::FieldError;
-use crate::world::ObjectPose;
-
-named_choice! {
-    /// What a run is doing.
-    Phase {
-        /// Random commands from which `im` takes its clusters.
-        Babbling = "babbling",
-        /// Phase 1: evolution of crawlers.
-        Evolution = "evolution",
-        /// Phase 2: the archive is replayed into the repository.
-        Repository = "repository",
-        /// Phase 3, or a baseline's own epochs: visits count.
-        Exploration = "exploration",
-        /// All epochs are done.
-        Done = "done",
-    }
-}
+use crate::stages::Phase;
 
 /// How far a run is. Steps are robot-steps, uncounted phases included.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -38,21 +24,6 @@ pub struct Progress {
     pub robot_steps_done: u64,
     /// Robot-steps in all.
     pub robot_steps_total: u64,
-}
-
-/// Coverage after an epoch: squares entered at least 1, 2, 5 and 10 times.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct CurveRow {
-    /// Counted epochs that are complete, from 1.
-    pub epoch: u32,
-    /// Squares entered at least once.
-    pub p1: u32,
-    /// At least twice.
-    pub p2: u32,
-    /// At least five times.
-    pub p5: u32,
-    /// At least ten times.
-    pub p10: u32,
 }
 
 /// What a finished run has to say; nothing about time or machine.
@@ -102,15 +73,6 @@ pub struct ObjectOutcome {
     pub moved_m: f64,
     /// How far it is at the end from where it began, metres.
     pub displaced_m: f64,
-}
-
-/// What one robot's learner holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct RobotMemory {
-    /// Bytes, exactly counted; with a table in common, what a copy of it takes.
-    pub bytes: u64,
-    /// Vectors that found no room for a cluster of their own and joined the nearest.
-    pub clusters_saturated: u64,
 }
 
 /// A snapshot that does not fit.

@@ -1,22 +1,4 @@
-//! The pilots: one for each thing that a robot can be doing, in the order of Ev-ITER's phases.
-
-mod babbler;
-mod brownian;
-mod codebook;
-mod crawler;
-mod explorer;
-mod reference;
-mod replayer;
-mod team;
-
-pub use babbler::Babbler;
-pub use brownian::Brownian;
-pub use codebook::Codebook;
-pub use crawler::{Crawler, Watch};
-pub use explorer::{Decider, Explorer, Transition};
-pub use reference::Reference;
-pub use replayer::Replayer;
-pub use team::Team;
+//! Sensor values as learners see them, alone and with commands.
 
 use serde::{Deserialize, Serialize};
 

@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::caps::MemoryPlan;
 use crate::learn::actuator_samples::ActuatorSamples;
 use crate::learn::centres::Centres;
 use crate::learn::kmeans::{self, Part, Points, kmeans};
-use crate::memory::MemoryPlan;
 use crate::random::Stream;
 use crate::spec::ControllerParameters;
 

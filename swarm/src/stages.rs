@@ -1,9 +1,25 @@
 //! The stages that a method goes through, and how many epochs each takes.
 
-use crate::memory::MemoryPlan;
+use crate::caps::MemoryPlan;
+use crate::named_choice;
 use crate::random::Site;
-use crate::run::Phase;
 use crate::spec::{Method, RunSpec, StatesFrom};
+
+named_choice! {
+    /// What a run is doing.
+    Phase {
+        /// Random commands from which `im` takes its clusters.
+        Babbling = "babbling",
+        /// Phase 1: evolution of crawlers.
+        Evolution = "evolution",
+        /// Phase 2: the archive is replayed into the repository.
+        Repository = "repository",
+        /// Phase 3, or a baseline's own epochs: visits count.
+        Exploration = "exploration",
+        /// All epochs are done.
+        Done = "done",
+    }
+}
 
 /// A stretch of epochs of one kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -112,17 +128,9 @@ pub(crate) fn stages(spec: &RunSpec, plan: &MemoryPlan) -> Vec<Stage> {
 }
 
 /// Arena epochs of all stages together.
-pub(super) fn arena_epochs(stages: &[Stage]) -> u64 {
+pub(crate) fn arena_epochs(stages: &[Stage]) -> u64 {
     stages
         .iter()
         .map(|stage| stage.kind.arena_epochs() * u64::from(stage.epochs))
         .sum()
-}
-
-impl RunSpec {
-    /// Robot-steps that a run of this spec takes, uncounted phases included.
-    pub fn robot_steps(&self) -> u64 {
-        let stages = MemoryPlan::of(self).map_or_else(|_| Vec::new(), |plan| stages(self, &plan));
-        arena_epochs(&stages) * u64::from(self.steps_per_epoch) * u64::from(self.robots)
-    }
 }

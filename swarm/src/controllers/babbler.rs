@@ -2,10 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Brownian, Scaling, Watch};
+use super::brownian::Brownian;
+use super::controller::Controller;
+use super::scaling::Scaling;
+use super::watch::Watch;
+use crate::caps::MemoryPlan;
 use crate::lanes::F8;
-use crate::memory::MemoryPlan;
-use crate::pilot::Pilot;
 
 /// Draws commands afresh and watches what they bring.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -46,7 +48,7 @@ impl Babbler {
     }
 }
 
-impl Pilot for Babbler {
+impl Controller for Babbler {
     #[inline(always)]
     fn act(&mut self, step: u64, raw: &F8) -> [f32; 2] {
         let command = self.brownian.command(step);

@@ -8,7 +8,7 @@ use std::ops::Index;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::Body;
+use super::body::Body;
 
 /// Robots by number; saved as the list of bodies in the order of their numbers.
 #[derive(Clone, Debug)]
@@ -66,20 +66,20 @@ impl Bodies {
     }
 
     /// Exchanges what two slots hold; [`Bodies::renumber`] has to follow.
-    pub(super) fn swap(&mut self, a: usize, b: usize) {
+    pub(crate) fn swap(&mut self, a: usize, b: usize) {
         self.stored.swap(a, b);
         self.numbers.swap(a, b);
     }
 
     /// Notes where each robot is stored now.
-    pub(super) fn renumber(&mut self) {
+    pub(crate) fn renumber(&mut self) {
         for (slot, &number) in self.numbers.iter().enumerate() {
             self.slots[number as usize] = slot as u32;
         }
     }
 
     /// Bytes held.
-    pub(super) fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         size_of_val(&self.stored[..])
             + size_of_val(&self.numbers[..])
             + size_of_val(&self.slots[..])
@@ -111,7 +111,7 @@ impl<'de> Deserialize<'de> for Bodies {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::world::StartPose;
+    use crate::bodies::StartPose;
 
     fn bodies(robots: usize) -> Vec<Body> {
         let body = |robot| {

@@ -2,18 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A start pose as the step loop wants it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct StartPose {
-    /// Metres.
-    pub x_m: f32,
-    /// Metres.
-    pub y_m: f32,
-    /// Cosine of the heading.
-    pub cos: f32,
-    /// Sine of the heading.
-    pub sin: f32,
-}
+use super::pose::StartPose;
 
 /// A robot in its arena.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -67,7 +56,7 @@ impl Body {
     }
 
     /// Puts the robot at a start pose at rest; what was counted of it stays.
-    pub(super) fn put_back(&mut self, start: &StartPose) {
+    pub(crate) fn put_back(&mut self, start: &StartPose) {
         *self = Self {
             distance_m: self.distance_m,
             first_entries: self.first_entries,

@@ -2,28 +2,30 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Codebook;
-use super::explorer::{Decider, Explorer, Transition};
+use super::codebook::Codebook;
+use super::controller::Controllers;
+use super::decider::Decider;
+use super::explorer::Explorer;
+use crate::bodies::Bodies;
 use crate::lanes::F8;
 use crate::learn::repository::Repository;
-use crate::pilot::Crew;
+use crate::learn::transition::Transition;
 use crate::spec::ControllerParameters;
-use crate::world::Bodies;
 
 /// Robots that choose from the same table and write to it.
 ///
 /// All choose from the table as it was when the step began; after the step the transitions go in in
 /// the order of the robots' numbers, so that no order of work shows.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Team {
+pub struct SharedTableExplorers {
     deciders: Vec<Decider>,
     codebook: Codebook,
     repository: Repository,
     clusters_saturated: Vec<u64>,
 }
 
-impl Team {
-    /// A team of robots (at least one) that so far explored by themselves, with the same codebook.
+impl SharedTableExplorers {
+    /// Robots (at least one) that so far explored by themselves, with the same codebook.
     ///
     /// Their tables become one: of each list the oldest entries of all robots go in first, the
     /// newest last, so that every robot's newest are kept as far as `lambda` allows.
@@ -106,7 +108,7 @@ fn merge(common: &mut Repository, robots: &[Explorer], i: u32, j: u32) {
     }
 }
 
-impl Crew for Team {
+impl Controllers for SharedTableExplorers {
     #[inline(always)]
     fn len(&self) -> usize {
         self.deciders.len()

@@ -1,10 +1,11 @@
 //! The reference of model accuracy (section 4.3.4): a robot that takes every action equally often and
 //! counts where each led, without forgetting.
 
-use super::{Codebook, Scaling};
+use super::codebook::Codebook;
+use super::controller::Controller;
+use super::scaling::Scaling;
 use crate::lanes::F8;
 use crate::learn::accuracy::TransitionCounts;
-use crate::pilot::Pilot;
 use crate::random::{below, draw};
 
 /// A robot with the states, actions and commands of a learner, but that chooses at random.
@@ -46,7 +47,7 @@ impl<'a> Reference<'a> {
     }
 }
 
-impl Pilot for Reference<'_> {
+impl Controller for Reference<'_> {
     #[inline(always)]
     fn act(&mut self, step: u64, _raw: &F8) -> [f32; 2] {
         let bits = draw(self.key, step);

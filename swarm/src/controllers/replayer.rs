@@ -5,12 +5,13 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Explorer, Scaling};
+use super::controller::Controller;
+use super::explorer::Explorer;
+use super::scaling::Scaling;
+use crate::caps::MemoryPlan;
 use crate::lanes::F8;
 use crate::learn::archive::Archive;
 use crate::learn::perceptron::Perceptron;
-use crate::memory::MemoryPlan;
-use crate::pilot::Pilot;
 
 /// A robot in phase 2.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -80,7 +81,7 @@ impl Replayer {
     }
 }
 
-impl Pilot for Replayer {
+impl Controller for Replayer {
     #[inline(always)]
     fn act(&mut self, _step: u64, raw: &F8) -> [f32; 2] {
         let command = self.perceptron.act(&self.scaling.apply(raw));

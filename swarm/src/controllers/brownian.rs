@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::controller::Controller;
 use crate::lanes::F8;
-use crate::pilot::Pilot;
 use crate::prefetch::prefetch;
 use crate::random::{draw, unit};
 
@@ -14,7 +14,7 @@ pub struct Brownian {
 }
 
 impl Brownian {
-    /// A pilot on the robot's action stream.
+    /// A controller on the robot's action stream.
     pub fn new(key: u64) -> Self {
         Self { key }
     }
@@ -30,7 +30,7 @@ impl Brownian {
     }
 }
 
-impl Pilot for Brownian {
+impl Controller for Brownian {
     #[inline(always)]
     fn act(&mut self, step: u64, _raw: &F8) -> [f32; 2] {
         self.command(step)

@@ -2,8 +2,9 @@
 
 use arenas::index::WallIndex;
 
+use super::noise::normals;
+use crate::bodies::{ObjectPose, Shape};
 use crate::lanes::{F8, LANES};
-use crate::noise::normals;
 use crate::robot::RobotModel;
 use crate::robot::response::MAX_ROWS;
 
@@ -156,6 +157,39 @@ impl Optics {
             .and(zero.lt(along + half))
             .and(t.lt(best));
         hit.select(t, best)
+    }
+
+    /// Shortens `best` by a movable object, if a robot at (x, y) can see it.
+    #[inline(always)]
+    pub fn to_object(
+        &self,
+        shape: &Shape,
+        pose: &ObjectPose,
+        sight_m: f32,
+        rays: &Rays,
+        (x_m, y_m): (f32, f32),
+        mut best: F8,
+    ) -> F8 {
+        let (dx_m, dy_m) = (pose.x_m - x_m, pose.y_m - y_m);
+        if dx_m * dx_m + dy_m * dy_m > sight_m * sight_m {
+            return best;
+        }
+        let Some([along, across]) = shape.half_sides_m else {
+            return self.to_disc(rays, (pose.x_m, pose.y_m), shape.reach_m, best);
+        };
+        let (ax, ay) = (along * pose.cos, along * pose.sin);
+        let (bx, by) = (-across * pose.sin, across * pose.cos);
+        let (x_m, y_m) = (pose.x_m, pose.y_m);
+        let corners = [
+            [x_m - ax - bx, y_m - ay - by],
+            [x_m + ax - bx, y_m + ay - by],
+            [x_m + ax + bx, y_m + ay + by],
+            [x_m - ax + bx, y_m - ay + by],
+        ];
+        for side in 0..4 {
+            best = self.to_segment(rays, corners[side], corners[(side + 1) % 4], best);
+        }
+        best
     }
 
     /// Raw values for distances over the ground, with noise from a word unique to this robot and step.

@@ -1,0 +1,123 @@
+//! The choice of an action by Alg. 5 (eq. 4.9), whoever owns codebook and table.
+
+use serde::{Deserialize, Serialize};
+
+use super::codebook::Codebook;
+use super::scaling::Scaling;
+use crate::lanes::F8;
+use crate::learn::repository::Repository;
+use crate::learn::transition::Transition;
+use crate::random::{below, draw};
+use crate::spec::{ControllerParameters, Ties};
+
+/// Where a robot stands in its table: all of a phase-3 learner but codebook and table.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Decider {
+    key: u64,
+    /// eta on a scale of 2^16.
+    eta: u32,
+    hold_steps: u32,
+    ties: Ties,
+    scaling: Scaling,
+    /// The last transition; its `next` is the present state until an action is chosen.
+    last: Transition,
+    state: u32,
+    pub(super) action: u32,
+    command: [f32; 2],
+    /// Steps for which the command is still held.
+    held_steps: u32,
+}
+
+impl Decider {
+    /// A robot that has seen nothing; `key` is that of its choices.
+    pub fn new(p: &ControllerParameters, key: u64) -> Self {
+        Self {
+            key,
+            eta: (p.eta * 65_536.0).round() as u32,
+            hold_steps: p.action_hold_steps,
+            ties: p.ties,
+            scaling: Scaling::new(p.sensor_scale),
+            last: Transition::default(),
+            state: 0,
+            action: 0,
+            command: [0.0; 2],
+            held_steps: 0,
+        }
+    }
+
+    /// Starts a trajectory from the sensors read at its beginning.
+    pub fn begin_trajectory(&mut self, codebook: &Codebook, raw: &F8) {
+        self.held_steps = 0;
+        self.state = codebook.states.nearest(&self.scaling.apply(raw)).0;
+    }
+
+    /// The next command, by Alg. 5.
+    #[inline(always)]
+    pub fn act(&mut self, codebook: &Codebook, repository: &Repository, step: u64) -> [f32; 2] {
+        if self.held_steps > 0 {
+            self.held_steps -= 1;
+            return self.command;
+        }
+        let bits = draw(self.key, step);
+        let (eta_bits, action_bits) = (bits as u32 & 0xFFFF, (bits >> 8) as u32 & !0xFF);
+        let sample_bits = (bits >> 32) as u32 & !0xFF;
+        let action = if repository.is_insufficient(self.state) {
+            repository.deficient_action(self.state, action_bits)
+        } else if eta_bits < self.eta {
+            below(action_bits, repository.actions())
+        } else {
+            self.best_action(repository, action_bits)
+        };
+        self.action = action;
+        self.held_steps = self.hold_steps - 1;
+        self.command = codebook.samples.draw(action, sample_bits);
+        self.command
+    }
+
+    /// The action with the highest score (eq. 4.9), one of several by the rule for ties.
+    #[inline(always)]
+    fn best_action(&self, table: &Repository, bits: u32) -> u32 {
+        let state = self.state;
+        let first = table.best_action(state);
+        if self.ties == Ties::First {
+            return first;
+        }
+        let highest = table.score(state, first);
+        if self.ties == Ties::Keep && table.score(state, self.action) == highest {
+            return self.action;
+        }
+        let tied = || (first..table.actions()).filter(|j| table.score(state, *j) == highest);
+        let place = below(bits, tied().count() as u32);
+        tied().nth(place as usize).unwrap_or(first)
+    }
+
+    /// Where the last action led.
+    #[inline(always)]
+    pub fn arrive(&mut self, codebook: &Codebook, raw: &F8) -> Transition {
+        let next = codebook.states.nearest(&self.scaling.apply(raw)).0;
+        self.last = Transition {
+            state: self.state,
+            action: self.action,
+            next,
+        };
+        self.state = next;
+        self.last
+    }
+
+    /// The present state.
+    #[inline(always)]
+    pub fn state(&self) -> u32 {
+        self.state
+    }
+
+    /// The action last chosen.
+    #[inline(always)]
+    pub fn action(&self) -> u32 {
+        self.action
+    }
+
+    /// What followed the last action.
+    pub fn last(&self) -> Transition {
+        self.last
+    }
+}

@@ -1,0 +1,57 @@
+//! What a robot keeps of what it senses and does before its states and actions are made.
+
+use serde::{Deserialize, Serialize};
+
+use super::scaling::sensori_motor;
+use crate::caps::MemoryPlan;
+use crate::learn::epsilon_clustering::EpsilonClustering;
+use crate::learn::reservoir::Reservoir;
+use crate::random::Stream;
+use crate::spec::ControllerParameters;
+
+/// What phase 1 keeps for phase 2.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Watch {
+    /// Clusters of sensor vectors; their number becomes that of the states.
+    pub sensors: EpsilonClustering<8>,
+    /// Clusters of commands; their number becomes that of the actions.
+    pub actuators: EpsilonClustering<2>,
+    /// A uniform sample of the sensori-motor vectors.
+    pub sample: Reservoir<10>,
+}
+
+impl Watch {
+    /// Nothing seen yet.
+    pub fn new(p: &ControllerParameters, plan: &MemoryPlan, sampling: Stream) -> Self {
+        Self {
+            sensors: EpsilonClustering::new(p.epsilon_sensor, plan.sensor_clusters),
+            actuators: EpsilonClustering::new(p.epsilon_actuator, plan.actuator_clusters),
+            sample: Reservoir::new(plan.sample, sampling),
+        }
+    }
+
+    /// Takes in a sensor vector and the command given in answer to it.
+    #[inline(always)]
+    pub fn observe(&mut self, sensors: &[f32; 8], command: [f32; 2]) {
+        self.sensors.observe(sensors);
+        self.actuators.observe(&command);
+        self.sample.offer(&sensori_motor(sensors, command));
+    }
+
+    /// Vectors that found no room for a cluster of their own.
+    pub fn saturated(&self) -> u64 {
+        self.sensors.saturated() + self.actuators.saturated()
+    }
+
+    /// Bytes held besides the value itself.
+    pub fn heap_bytes_for(plan: &MemoryPlan) -> u64 {
+        EpsilonClustering::<8>::heap_bytes_for(plan.sensor_clusters)
+            + EpsilonClustering::<2>::heap_bytes_for(plan.actuator_clusters)
+            + Reservoir::<10>::heap_bytes_for(plan.sample)
+    }
+
+    /// Bytes held besides the value itself, exactly counted.
+    pub fn heap_bytes(&self) -> u64 {
+        self.sensors.heap_bytes() + self.actuators.heap_bytes() + self.sample.heap_bytes()
+    }
+}

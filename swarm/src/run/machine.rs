@@ -1,0 +1,327 @@
+//! A run: a spec brought to life, as a state machine stepped in blocks.
+
+use std::sync::{Arc, OnceLock};
+
+use arenas::{Arena, Reachable};
+
+use super::coverage::CurveRow;
+use super::learners::Learners;
+use super::metrics::{MetricsRow, has_row, next_within, row};
+use super::outcome::Progress;
+use super::position::RunPosition;
+use super::robot_memory::RobotMemory;
+use super::tracks::{MOST_SAMPLES, Time, Tracks};
+use super::venue::{TARGET, TRAINING, Venue, sites};
+use crate::bodies::Bodies;
+use crate::caps::MemoryPlan;
+use crate::random::Site;
+use crate::spec::{Episodes, FieldError, RunSpec};
+use crate::stages::{Phase, Stage, StageKind, arena_epochs, stages};
+use crate::world::Backend;
+
+/// A run in progress.
+pub struct Run {
+    pub(super) spec: RunSpec,
+    pub(super) stages: Vec<Stage>,
+    /// The target arena and, where the method trains elsewhere first, the training arena.
+    pub(super) venues: Vec<Venue>,
+    pub(super) position: RunPosition,
+    pub(super) memory: MemoryPlan,
+    pub(super) learners: Learners,
+    pub(super) curve: Vec<CurveRow>,
+    pub(super) metrics: Vec<MetricsRow>,
+    pub(super) tracks: Tracks,
+    /// Squares in reach, found when first asked for.
+    pub(super) reachable: OnceLock<Reachable>,
+    /// Sensori-motor clusters that phase 1 ended with.
+    pub(super) sensori_motor_clusters: u32,
+}
+
+impl Run {
+    /// Checks the spec and sets the run up.
+    ///
+    /// # Errors
+    /// Every field of the spec that cannot be used.
+    pub fn new(spec: RunSpec) -> Result<Self, Vec<FieldError>> {
+        let errors = spec.validate();
+        if !errors.is_empty() {
+            return Err(errors);
+        }
+        let memory = MemoryPlan::of(&spec).map_err(|_| spec.validate())?;
+        let stages = stages(&spec, &memory);
+        let venues = sites(&spec, &stages)
+            .map(|(arena, site)| Venue::new(&spec, &memory, arena, site))
+            .collect::<Result<_, _>>()
+            .map_err(|e| vec![e])?;
+        let mut run = Self {
+            reachable: OnceLock::new(),
+            learners: Learners::Idle,
+            position: RunPosition {
+                stage: 0,
+                epoch: 0,
+                showing: false,
+                step: 0,
+                steps: 0,
+            },
+            curve: Vec::new(),
+            metrics: Vec::new(),
+            tracks: Tracks::default(),
+            sensori_motor_clusters: 0,
+            memory,
+            spec,
+            stages,
+            venues,
+        };
+        run.begin_stage();
+        Ok(run)
+    }
+
+    /// Steps the run on by at most `max_steps` steps of its arena (each moves every robot once).
+    pub fn advance(&mut self, max_steps: u64) -> Progress {
+        let mut left = max_steps;
+        while left > 0 && self.stage().is_some() {
+            let until = self.next_row();
+            let rest = u64::from(until - self.position.step);
+            let steps = rest.min(left);
+            let venue = self.venue();
+            let Venue { world, radio, .. } = &mut self.venues[venue];
+            self.learners.advance(world, radio.as_mut(), steps);
+            self.position.step += steps as u32;
+            self.position.steps += steps;
+            left -= steps;
+            if self.position.step == self.spec.steps_per_epoch {
+                self.end_epoch();
+            } else if self.position.step == until {
+                self.add_row();
+            }
+        }
+        self.progress()
+    }
+
+    pub(super) fn stage(&self) -> Option<Stage> {
+        self.stages.get(self.position.stage as usize).copied()
+    }
+
+    /// Index of the arena that robots are in.
+    pub(super) fn venue(&self) -> usize {
+        let training = self
+            .stage()
+            .is_some_and(|stage| stage.site == Site::Training);
+        if training && !self.position.showing {
+            TRAINING
+        } else {
+            TARGET
+        }
+    }
+
+    /// Sets learners and arena up for the stage that the run has come to.
+    fn begin_stage(&mut self) {
+        let Some(stage) = self.stage() else { return };
+        let learners = std::mem::replace(&mut self.learners, Learners::Idle);
+        if let Some(clusters) = learners.sensori_motor_clusters() {
+            self.sensori_motor_clusters = clusters;
+        }
+        self.learners = learners.begin(stage.kind, &self.spec, &self.memory);
+        if stage.kind == StageKind::Replay && stage.site == Site::Training {
+            // The replay gives the trajectories of phase 1 back, so it must meet the same noise.
+            self.venues[TRAINING].begin_again(&self.spec);
+        }
+        if stage.kind.counts() {
+            self.resume_counting();
+            if self.spec.episodes == Episodes::Continue {
+                self.venues[TARGET].world.enter_squares();
+            }
+        }
+        self.begin_epoch();
+        if stage.kind.counts() {
+            self.track_objects();
+        }
+    }
+
+    /// Lets visits count where the stage says so.
+    pub(super) fn resume_counting(&mut self) {
+        let counts = self.stage().is_some_and(|stage| stage.kind.counts());
+        self.venues[TARGET].world.set_counting(counts);
+    }
+
+    fn begin_epoch(&mut self) {
+        self.position.step = 0;
+        let venue = self.venue();
+        let world = &mut self.venues[venue].world;
+        if self.spec.episodes == Episodes::Reset {
+            world.reset();
+        }
+        self.learners.begin_trajectory(world.state());
+    }
+
+    fn end_epoch(&mut self) {
+        let Some(stage) = self.stage() else { return };
+        if self.position.showing {
+            self.position.showing = false;
+            self.learners.set_showing(false);
+            self.learners.next_candidates();
+        } else {
+            self.learners.end_trajectory();
+            if stage.kind == StageKind::EvolveAndShow {
+                self.position.showing = true;
+                self.learners.set_showing(true);
+                self.begin_epoch();
+                return;
+            }
+            self.learners.next_candidates();
+        }
+        self.position.epoch += 1;
+        if stage.kind.counts() {
+            self.curve.push(self.curve_row(self.position.epoch));
+            self.row_after_epoch();
+        }
+        if self.position.epoch < stage.epochs {
+            self.begin_epoch();
+        } else {
+            self.position.stage += 1;
+            self.position.epoch = 0;
+            self.position.step = 0;
+            self.begin_stage();
+        }
+    }
+
+    /// The step of the present epoch up to which the run goes on without a row of metrics.
+    fn next_row(&self) -> u32 {
+        let RunPosition { epoch, step, .. } = self.position;
+        let steps = self.spec.steps_per_epoch;
+        let within = self
+            .is_counting()
+            .then(|| next_within(epoch, step, steps))
+            .flatten();
+        within.unwrap_or(steps)
+    }
+
+    /// Adds a row of metrics after a counted epoch, where one is kept.
+    fn row_after_epoch(&mut self) {
+        if has_row(self.position.epoch, self.spec.epochs) {
+            self.add_row();
+        }
+    }
+
+    /// Adds a row of metrics, and the objects of the same moment.
+    fn add_row(&mut self) {
+        let row = self.metrics_now();
+        self.metrics.push(row);
+        self.track_objects();
+    }
+
+    /// Whether visits count in the epoch that the run is in.
+    fn is_counting(&self) -> bool {
+        self.stage().is_some_and(|stage| stage.kind.counts()) && self.venue() == TARGET
+    }
+
+    pub(super) fn metrics_now(&self) -> MetricsRow {
+        let reachable = self.reachable();
+        let world = &self.venues[TARGET].world;
+        row(world, &reachable.mask, reachable.count, self.position.epoch)
+    }
+
+    pub(super) fn time(&self) -> Time {
+        Time {
+            steps: self.venues[TARGET].world.state().tally.steps(),
+            epoch: self.curve.len() as u32,
+        }
+    }
+
+    /// Takes the present moment into the tracks of objects.
+    fn track_objects(&mut self) {
+        let time = self.time();
+        let objects = &self.venues[TARGET].world.state().objects;
+        self.tracks.offer(time, objects, MOST_SAMPLES);
+    }
+
+    pub(super) fn curve_row(&self, epoch: u32) -> CurveRow {
+        let [p1, p2, p5, p10] = self.venues[TARGET].world.coverage();
+        CurveRow {
+            epoch,
+            p1,
+            p2,
+            p5,
+            p10,
+        }
+    }
+
+    /// How far the run is.
+    pub fn progress(&self) -> Progress {
+        let robots = u64::from(self.spec.robots);
+        Progress {
+            phase: self.stage().map_or(Phase::Done, |stage| stage.kind.phase()),
+            epochs_done: self.curve.len() as u32,
+            epochs_total: self.spec.epochs,
+            robot_steps_done: self.position.steps * robots,
+            robot_steps_total: arena_epochs(&self.stages)
+                * u64::from(self.spec.steps_per_epoch)
+                * robots,
+        }
+    }
+
+    /// What the run was made from.
+    pub fn spec(&self) -> &RunSpec {
+        &self.spec
+    }
+
+    /// One row a completed counted epoch.
+    pub fn curve(&self) -> &[CurveRow] {
+        &self.curve
+    }
+
+    /// Entries counted a square of the target arena; row 0 is the lowest y.
+    pub fn visits(&self) -> Vec<u32> {
+        self.venues[TARGET].world.visits()
+    }
+
+    /// Steps spent a square of the target arena; row 0 is the lowest y.
+    pub fn dwell(&self) -> Vec<u32> {
+        self.venues[TARGET].world.dwell()
+    }
+
+    /// Squares of the target arena that a robot of this size can reach from the first start pose.
+    pub fn reachable(&self) -> &Reachable {
+        let (arena, radius_m) = (&self.spec.arena, self.spec.robot.parameters.body_radius_m);
+        self.reachable
+            .get_or_init(|| arenas::reachable(arena, arena.starts()[0], radius_m))
+    }
+
+    /// Arena steps so far, all stages together: the number of the current frame.
+    pub fn step(&self) -> u64 {
+        self.position.steps
+    }
+
+    /// The arena that robots are in right now.
+    pub fn arena(&self) -> &Arc<Arena> {
+        &self.venues[self.venue()].ground.arena
+    }
+
+    /// All robots, in the arena that they are in right now; index is the robot's number.
+    pub fn robots(&self) -> &Bodies {
+        &self.venues[self.venue()].world.state().bodies
+    }
+
+    /// Bytes that robots, learners and squares hold, exactly counted.
+    pub fn bytes(&self) -> u64 {
+        let worlds: usize = self.venues.iter().map(|venue| venue.world.bytes()).sum();
+        worlds as u64 + self.learners.bytes()
+    }
+
+    /// What each robot's learner may hold.
+    pub fn memory_plan(&self) -> &MemoryPlan {
+        &self.memory
+    }
+
+    /// What each robot's learner holds right now; index is the robot's number.
+    pub fn memory(&self) -> Vec<RobotMemory> {
+        self.learners.memory(&self.memory, &self.spec.sharing)
+    }
+
+    /// Steps with other instructions than the machine's best; results stay the same.
+    pub fn set_backend(&mut self, backend: Backend) {
+        for venue in &mut self.venues {
+            venue.world.set_backend(backend);
+        }
+    }
+}

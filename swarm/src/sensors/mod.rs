@@ -1,0 +1,4 @@
+//! What robots sense.
+
+pub mod noise;
+pub mod proximity;

@@ -1,0 +1,102 @@
+//! What a run is made from: every field resolved, the arenas loaded.
+
+use std::sync::Arc;
+
+use arenas::Arena;
+
+use super::controller::ControllerParameters;
+use super::method::Method;
+use super::sharing::Sharing;
+use crate::named_choice;
+use crate::robot::RobotModel;
+
+named_choice! {
+    /// Where robots stand when an epoch starts.
+    Placement {
+        /// The arena's own start poses, in order.
+        Start = "start",
+        /// A grid around the first start pose.
+        Grid = "grid",
+        /// Uniformly at random, never overlapping.
+        Random = "random",
+    }
+}
+
+named_choice! {
+    /// What happens between two epochs.
+    Episodes {
+        /// Every robot goes back to its start pose.
+        Reset = "reset",
+        /// Every robot goes on where it stands.
+        Continue = "continue",
+    }
+}
+
+named_choice! {
+    /// Which physics moves the robots.
+    EngineKind {
+        /// Exact differential-drive arcs; discs pushed out of walls and of each other.
+        Kinematic = "kinematic",
+        /// Rigid bodies of rapier2d.
+        Rapier = "rapier",
+    }
+}
+
+/// The training part of a controller.
+#[derive(Clone, Debug)]
+pub struct Training {
+    /// Arena in which phase 1, or the evolution of a baseline, happens.
+    pub arena: Arc<Arena>,
+    /// Epochs of phase 1. Evolved baselines evolve for the run's own epochs and ignore this.
+    pub epochs: u32,
+}
+
+/// How a robot learns.
+#[derive(Clone, Debug)]
+pub struct ControllerSpec {
+    /// The method.
+    pub method: Method,
+    /// Its parameters.
+    pub parameters: ControllerParameters,
+    /// Where it trains; `None` for methods without training.
+    pub training: Option<Training>,
+}
+
+/// Everything that a run is made from. Fields are checked by [`crate::run::Run::new`].
+#[derive(Clone, Debug)]
+pub struct RunSpec {
+    /// Seed of every random stream.
+    pub seed: u64,
+    /// Target arena: where visits count.
+    pub arena: Arc<Arena>,
+    /// How the robots learn.
+    pub controller: ControllerSpec,
+    /// Counted epochs.
+    pub epochs: u32,
+    /// Control steps an epoch.
+    pub steps_per_epoch: u32,
+    /// Robots in the arena.
+    pub robots: u32,
+    /// Where they start.
+    pub placement: Placement,
+    /// What happens between epochs.
+    pub episodes: Episodes,
+    /// The robot's body, wheels and sensors.
+    pub robot: RobotModel,
+    /// The physics.
+    pub engine: EngineKind,
+    /// Most bytes that each robot's learner may hold; `None` for no budget.
+    pub memory_budget_bytes: Option<u64>,
+    /// What robots share of what they learn.
+    pub sharing: Sharing,
+}
+
+impl RunSpec {
+    /// Whether all phases happen on line in the target arena: robots that go on where they stand
+    /// when an epoch ends, and whose training arena is the target.
+    pub fn is_on_line(&self) -> bool {
+        let training = self.controller.training.as_ref();
+        self.episodes == Episodes::Continue
+            && training.is_some_and(|training| *training.arena == *self.arena)
+    }
+}
