@@ -62,6 +62,21 @@ pub fn grid_coordinate(position_m: f32, inverse_cell_m: f32, last: f32) -> usize
     whole as usize
 }
 
+/// From which x to which the part of a wall goes that is within `far_m` of the line at `y_m`.
+fn x_near_row(wall: &Segment, y_m: f64, far_m: f64) -> [f64; 2] {
+    let along = wall.b - wall.a;
+    let at = |y_m: f64| (y_m - wall.a.y) / along.y;
+    let (mut from, mut to) = (0.0, 1.0);
+    if along.y != 0.0 {
+        // A little more, for rounding.
+        let (one, other) = (at(y_m - far_m), at(y_m + far_m));
+        from = (one.min(other) - 1e-6).clamp(0.0, 1.0);
+        to = (one.max(other) + 1e-6).clamp(0.0, 1.0);
+    }
+    let (one, other) = (wall.a.x + along.x * from, wall.a.x + along.x * to);
+    [one.min(other), one.max(other)]
+}
+
 #[derive(Clone, Copy, Debug, Default)]
 struct Cell {
     start: u32,
@@ -85,15 +100,39 @@ pub struct WallIndex {
 const CELLS: f64 = 4_096.0;
 const SMALLEST_CELL_M: f64 = 0.012;
 const LARGEST_CELL_M: f64 = 0.1;
+/// Most cells, and most walls listed in all of them, some 100 MB: beyond, cells grow.
+const MOST_CELLS: f64 = 1e6;
+const MOST_LISTED: f64 = 2e7;
+
+/// Side of a cell for an arena, as small as the limits allow.
+fn cell_m(arena: &Arena, reach_m: f64) -> f64 {
+    let area_m2 = arena.width_m() * arena.height_m();
+    let mut cell_m = (area_m2 / CELLS)
+        .sqrt()
+        .clamp(SMALLEST_CELL_M, LARGEST_CELL_M)
+        .max((area_m2 / MOST_CELLS).sqrt());
+    let walls = arena.walls();
+    let listed = |cell_m: f64| -> f64 {
+        // Cells about within reach, at most those along the wall times those across.
+        let wide = 2.0 * reach_m / cell_m + 2.0;
+        walls
+            .iter()
+            .map(|wall| (wall.length_m() / cell_m + wide) * wide)
+            .sum()
+    };
+    let longest_m = arena.width_m().max(arena.height_m());
+    while listed(cell_m) > MOST_LISTED && cell_m < longest_m {
+        cell_m *= 2.0;
+    }
+    cell_m
+}
 
 impl WallIndex {
     /// Indexes inner walls and boundary for robots whose centre comes within `contact_m` of a wall
     /// they touch during a step, and sees walls up to `reach_m` from its centre.
     pub fn new(arena: &Arena, contact_m: f64, reach_m: f64) -> Self {
         let (width, height) = (arena.width_m(), arena.height_m());
-        let cell_m = (width * height / CELLS)
-            .sqrt()
-            .clamp(SMALLEST_CELL_M, LARGEST_CELL_M);
+        let cell_m = cell_m(arena, reach_m.max(contact_m));
         let columns = (width / cell_m).ceil() as usize;
         let rows = (height / cell_m).ceil() as usize;
         let half_diagonal = cell_m * std::f64::consts::FRAC_1_SQRT_2 + 1e-6;
@@ -119,7 +158,8 @@ impl WallIndex {
                 first..(last + 1).min(count)
             };
             for row in span(wall.a.y.min(wall.b.y), wall.a.y.max(wall.b.y), rows) {
-                for column in span(wall.a.x.min(wall.b.x), wall.a.x.max(wall.b.x), columns) {
+                let [low, high] = x_near_row(wall, centre(row, 0).y, far_m);
+                for column in span(low, high, columns) {
                     if wall.distance_squared_m2(centre(row, column)) <= far_m * far_m {
                         found[row * columns + column].push(number as u32);
                     }
@@ -197,5 +237,78 @@ impl WallIndex {
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.cells[..]) + size_of_val(&self.listing[..]) + size_of_val(&self.walls[..])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::{ArenaFormat, GenerateFormat, GeneratorKind};
+
+    fn index(format: ArenaFormat) -> (Arena, WallIndex) {
+        let arena = format.build().unwrap();
+        let index = WallIndex::new(&arena, 0.04, 0.08);
+        (arena, index)
+    }
+
+    #[test]
+    fn every_wall_within_reach_is_listed() {
+        let (arena, index) = index(ArenaFormat {
+            width_m: Some(2.0),
+            height_m: Some(1.5),
+            generate: Some(GenerateFormat::new(GeneratorKind::RandomObstacles, 3)),
+            ..ArenaFormat::default()
+        });
+        for place in 0..3_000 {
+            let (x, y) = (f64::from(place % 60) / 30.0, f64::from(place / 60) / 34.0);
+            let point = Point2::new(x, y);
+            let near = |within_m: f64| {
+                let boundary = arena.boundary();
+                let walls = arena.walls().iter().chain(&boundary);
+                walls
+                    .copied()
+                    .filter(|wall| wall.distance_squared_m2(point) < within_m * within_m)
+                    .map(|wall| IndexedWall::new(&wall))
+                    .collect::<Vec<_>>()
+            };
+            let [x, y] = [x as f32, y as f32];
+            for (numbers, within_m) in [(index.touchable(x, y), 0.04), (index.visible(x, y), 0.08)]
+            {
+                let listed: Vec<_> = numbers.iter().map(|&number| *index.wall(number)).collect();
+                assert!(
+                    near(within_m).iter().all(|wall| listed.contains(wall)),
+                    "{point}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_largest_arenas_take_bounded_memory() {
+        let largest = |walls_m: Vec<[f64; 4]>| {
+            let (_, index) = index(ArenaFormat {
+                name: Some("large".to_owned()),
+                width_m: Some(1_000.0),
+                height_m: Some(1_000.0),
+                walls_m: Some(walls_m),
+                starts: Some(vec![crate::Pose {
+                    x_m: 1.0,
+                    y_m: 1.0,
+                    heading_rad: 0.0,
+                }]),
+                ..ArenaFormat::default()
+            });
+            index.bytes()
+        };
+        assert!(largest(Vec::new()) < 20_000_000);
+        let diagonals = (0..20_000).map(|wall| [0.0, 0.05 * f64::from(wall), 1_000.0, 1_000.0]);
+        let began = std::time::Instant::now();
+        assert!(largest(diagonals.collect()) < 200_000_000);
+        assert!(
+            began.elapsed().as_secs_f64() < 20.0,
+            "{:?}",
+            began.elapsed()
+        );
     }
 }

@@ -9,6 +9,7 @@
 //! | a seed | a maze, rooms, corridors or obstacles | [`GenerateFormat`] in [`ArenaFormat`] |
 //! | an arena and a body radius | starts that overlap a wall | [`Arena::check_starts`] |
 //! | the same and a start | the squares within reach | [`reachable()`] |
+//! | an arena and a body radius | gates that the body just passes, or just does not | [`gates_at_the_limit`] |
 //! | a point | its square | [`Squares`] |
 //! | an arena | a drawing | [`render_svg`] |
 //!
@@ -36,11 +37,15 @@ pub mod arena;
 mod builtin;
 mod error;
 mod format;
+mod free_space;
+mod gates;
 mod generate;
 pub mod index;
+mod near_pairs;
 mod objects;
 mod reachable;
 mod segment;
+mod sets;
 mod squares;
 mod starts;
 mod svg;
@@ -51,6 +56,7 @@ pub use arena::{Arena, Pose};
 pub use builtin::{builtin, builtin_names};
 pub use error::ArenaError;
 pub use format::{ArenaFormat, DEFAULT_SQUARES, SquaresFormat};
+pub use gates::{Gate, gates_at_the_limit};
 pub use generate::{GenerateFormat, GeneratorKind, ObstacleShape, Parameter};
 pub use objects::{
     MAX_OBJECTS, Movable, OBJECT_FRICTION_RANGE, OBJECT_MASS_RANGE_KG, OBJECT_SIZE_RANGE_M,

@@ -37,6 +37,37 @@ impl Segment {
     pub fn distance_squared_m2(&self, point: Point2<f64>) -> f64 {
         (self.nearest_to(point) - point).norm_squared()
     }
+
+    /// The shortest way to another segment: its ends on this one and on the other, both the
+    /// crossing where the two cross.
+    pub fn shortest_way_to(&self, other: &Self) -> Self {
+        if let Some(crossing) = self.crossing(other) {
+            return Self::new(crossing, crossing);
+        }
+        let ways = [
+            Self::new(self.a, other.nearest_to(self.a)),
+            Self::new(self.b, other.nearest_to(self.b)),
+            Self::new(self.nearest_to(other.a), other.a),
+            Self::new(self.nearest_to(other.b), other.b),
+        ];
+        let length = |way: &Self| (way.b - way.a).norm_squared();
+        let mut shortest = ways[0];
+        for way in &ways[1..] {
+            if length(way) < length(&shortest) {
+                shortest = *way;
+            }
+        }
+        shortest
+    }
+
+    /// Where the insides of two segments cross.
+    fn crossing(&self, other: &Self) -> Option<Point2<f64>> {
+        let (mine, theirs) = (self.b - self.a, other.b - other.a);
+        let [from, to] = [other.a, other.b].map(|point| mine.perp(&(point - self.a)));
+        let [first, last] = [self.a, self.b].map(|point| theirs.perp(&(point - other.a)));
+        let cross = from * to < 0.0 && first * last < 0.0;
+        cross.then(|| other.a + theirs * (from / (from - to)))
+    }
 }
 
 #[cfg(test)]
@@ -49,5 +80,25 @@ mod tests {
         assert_eq!(wall.distance_squared_m2(Point2::new(1.0, 3.0)), 9.0);
         assert_eq!(wall.distance_squared_m2(Point2::new(-3.0, 4.0)), 25.0);
         assert_eq!(wall.length_m(), 2.0);
+    }
+
+    #[test]
+    fn shortest_ways_between_segments() {
+        let segment =
+            |[ax, ay, bx, by]: [f64; 4]| Segment::new(Point2::new(ax, ay), Point2::new(bx, by));
+        let wall = segment([0.0, 0.0, 2.0, 0.0]);
+        for (other, way) in [
+            ([1.0, -1.0, 1.0, 1.0], [1.0, 0.0, 1.0, 0.0]),
+            ([1.0, 0.5, 5.0, 4.0], [1.0, 0.0, 1.0, 0.5]),
+            ([3.0, -1.0, 3.0, 1.0], [2.0, 0.0, 3.0, 0.0]),
+            ([3.0, 0.0, 4.0, 0.0], [2.0, 0.0, 3.0, 0.0]),
+            ([2.0, 0.0, 4.0, 1.0], [2.0, 0.0, 2.0, 0.0]),
+        ] {
+            assert_eq!(
+                wall.shortest_way_to(&segment(other)),
+                segment(way),
+                "{other:?}"
+            );
+        }
     }
 }

@@ -13,8 +13,8 @@ use crate::validate::MAX_WALLS;
 
 /// Places tried for one obstacle before the arena counts as full.
 const TRIES: usize = 500;
-/// Most buckets along a side.
-const MAX_BUCKETS: f64 = 512.0;
+/// About the most buckets of an arena.
+const MAX_BUCKETS: f64 = 262_144.0;
 
 /// Outline of an obstacle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -225,8 +225,9 @@ struct Buckets {
 
 impl Buckets {
     fn new(size_m: [f64; 2], reach_m: f64) -> Self {
+        let least_m = reach_m.max((size_m[0] * size_m[1] / MAX_BUCKETS).sqrt());
         let [columns, rows] =
-            size_m.map(|side_m| (side_m / reach_m).floor().clamp(1.0, MAX_BUCKETS) as usize);
+            size_m.map(|side_m| (side_m / least_m).floor().clamp(1.0, MAX_BUCKETS) as usize);
         Self {
             side_m: [size_m[0] / columns as f64, size_m[1] / rows as f64],
             columns,

@@ -11,6 +11,11 @@ use swarm::robot::RobotParameters;
 use super::{Failure, output};
 use crate::documents::{self, ArenaSource, BuiltinArenas};
 
+/// Gates whose width differs from the robot's by at most this are told, metres.
+const GATE_WITHIN_M: f64 = 1e-3;
+/// Most gates that are told each.
+const MOST_GATES: usize = 20;
+
 #[derive(Debug, Subcommand)]
 pub enum ArenasCommand {
     /// List the arenas that ship with the program.
@@ -46,7 +51,11 @@ pub fn arenas(command: &ArenasCommand) -> Result<(), Failure> {
             if !errors.is_empty() {
                 return Err(wrong(errors));
             }
-            output::say(described(&arena))
+            output::say(described(&arena))?;
+            for line in gates(&arena) {
+                output::say(line)?;
+            }
+            Ok(())
         }
         ArenasCommand::Draw { name, out } => draw(name, out.as_deref()),
     }
@@ -109,6 +118,36 @@ fn described(arena: &Arena) -> String {
         arena.walls().len(),
         arena.starts().len(),
     )
+}
+
+/// Gates about as wide as the default robot, each in words.
+fn gates(arena: &Arena) -> Vec<String> {
+    let body_m = 2.0 * body_radius_m();
+    let gates = arenas::gates_at_the_limit(arena, body_radius_m(), GATE_WITHIN_M);
+    let more = gates.len().saturating_sub(MOST_GATES);
+    let mut lines: Vec<String> = gates
+        .iter()
+        .take(MOST_GATES)
+        .map(|gate| {
+            let (width_mm, beyond_mm) = (1e3 * gate.width_m, 1e3 * (gate.width_m - body_m));
+            let than_body = if beyond_mm.abs() < 1e-6 {
+                "exactly as wide as the robot".to_owned()
+            } else if beyond_mm > 0.0 {
+                format!("{beyond_mm:.6} mm wider than the robot")
+            } else {
+                format!("{:.6} mm narrower than the robot", -beyond_mm)
+            };
+            let state = if gate.open { "open" } else { "closed" };
+            format!(
+                "  at the limit: a gate of {width_mm:.6} mm at ({:.4}, {:.4}) m, {than_body}: {state}",
+                gate.at.x, gate.at.y
+            )
+        })
+        .collect();
+    if more > 0 {
+        lines.push(format!("  and {more} such gates more"));
+    }
+    lines
 }
 
 pub fn controllers(json: bool) -> Result<(), Failure> {
