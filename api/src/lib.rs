@@ -7,6 +7,8 @@ pub mod frames;
 pub mod job;
 pub mod objects;
 pub mod problem;
+pub mod problem_codes;
+pub mod refusals;
 pub mod result;
 pub mod spec;
 pub mod state;
@@ -18,6 +20,7 @@ pub use catalog::{
 pub use job::{Job, JobPage, RunCounts, RunPage, RunSummary};
 pub use objects::{ObjectSample, ObjectTrack, ObjectTracks};
 pub use problem::{FieldError, Problem};
+pub use problem_codes::ProblemCode;
 pub use result::{
     ClusterCounts, Coverage, CurveRow, Fractions, Memory, MemoryPlan, Metrics, MetricsRow,
     ModelAccuracy, ObjectResult, RunResult, Squares, SwarmMetrics,

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::ProblemCode;
+
 /// A field that cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FieldError {
@@ -46,9 +48,11 @@ impl std::fmt::Display for FieldError {
 /// A problem document.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Problem {
-    /// URI reference of the kind of problem, or `about:blank`.
-    #[serde(rename = "type", default = "about_blank")]
+    /// URI reference of the kind of problem.
+    #[serde(rename = "type")]
     pub kind: String,
+    /// The same for programs: see [`ProblemCode`].
+    pub code: String,
     /// What kind of problem, in a few words.
     pub title: String,
     /// HTTP status.
@@ -61,20 +65,17 @@ pub struct Problem {
     pub errors: Vec<FieldError>,
 }
 
-fn about_blank() -> String {
-    "about:blank".to_owned()
-}
-
 impl Problem {
     /// Media type of a problem document.
     pub const MEDIA_TYPE: &'static str = "application/problem+json";
 
-    /// A problem of no special kind.
-    pub fn new(status: u16, title: impl Into<String>) -> Self {
+    /// A problem of this code.
+    pub fn new(code: ProblemCode) -> Self {
         Self {
-            kind: about_blank(),
-            title: title.into(),
-            status,
+            kind: code.uri().to_owned(),
+            code: code.code().to_owned(),
+            title: code.title().to_owned(),
+            status: code.status(),
             detail: None,
             errors: Vec::new(),
         }

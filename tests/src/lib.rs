@@ -8,6 +8,7 @@ pub mod command;
 pub mod files;
 pub mod http;
 pub mod readme;
+pub mod refusals;
 pub mod server;
 pub mod wait;
 

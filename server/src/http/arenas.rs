@@ -1,6 +1,6 @@
 //! `/v1/arenas`: list, upload, show, draw, delete.
 
-use api::{ArenaListing, FieldError};
+use api::{ArenaListing, FieldError, ProblemCode};
 use arenas::{Arena, SvgOptions, render_svg};
 use axum::body::Bytes;
 use axum::extract::rejection::BytesRejection;
@@ -60,9 +60,8 @@ async fn create(
         })?;
         let name = arena.name().to_owned();
         if BuiltinArenas.arena(&name).is_some() {
-            return Err(Refusal::conflict(format!(
-                "{name} is the name of a built-in arena"
-            )));
+            let detail = format!("{name} is the name of a built-in arena");
+            return Err(Refusal::new(ProblemCode::ArenaNameTaken, detail));
         }
         let listing = listing(app, &arena, false);
         let body = text(&arena)?;
@@ -99,7 +98,11 @@ async fn show(State(app): State<App>, Path(name): Path<String>) -> Result<Respon
                 let svg = render_svg(&arena, &SvgOptions::default());
                 Ok(([(CONTENT_TYPE, "image/svg+xml")], svg).into_response())
             }
-            None => Err(Refusal::not_found("arena", &name)),
+            None => Err(Refusal::not_found(
+                ProblemCode::ArenaNotFound,
+                "arena",
+                &name,
+            )),
         }
     })
     .await
@@ -109,14 +112,20 @@ async fn show(State(app): State<App>, Path(name): Path<String>) -> Result<Respon
 async fn delete(State(app): State<App>, Path(name): Path<String>) -> Result<StatusCode, Refusal> {
     app.blocking(move |app| {
         if BuiltinArenas.arena(&name).is_some() {
-            return Err(Refusal::conflict("a built-in arena cannot be deleted"));
+            let detail = "a built-in arena cannot be deleted";
+            return Err(Refusal::new(ProblemCode::ArenaBuiltIn, detail));
         }
         match app.store.delete_arena(&name)? {
             ArenaDeletion::Deleted => Ok(StatusCode::NO_CONTENT),
-            ArenaDeletion::Unknown => Err(Refusal::not_found("arena", &name)),
-            ArenaDeletion::InUse { runs } => Err(Refusal::conflict(format!(
-                "{runs} stored runs use this arena; delete their jobs first"
-            ))),
+            ArenaDeletion::Unknown => Err(Refusal::not_found(
+                ProblemCode::ArenaNotFound,
+                "arena",
+                &name,
+            )),
+            ArenaDeletion::InUse { runs } => Err(Refusal::new(
+                ProblemCode::ArenaInUse,
+                format!("{runs} stored runs use this arena; delete their jobs first"),
+            )),
         }
     })
     .await

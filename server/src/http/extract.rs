@@ -1,5 +1,6 @@
 //! What a route is about, by the id in its path: found before the handler begins, or 404.
 
+use api::ProblemCode;
 use axum::extract::{FromRequestParts, Path};
 use axum::http::request::Parts;
 
@@ -19,7 +20,9 @@ impl FromRequestParts<App> for FoundJob {
     async fn from_request_parts(parts: &mut Parts, app: &App) -> Result<Self, Refusal> {
         let id = id(parts, app).await?;
         app.blocking(move |app| {
-            let seq = id.parse().map_err(|_| Refusal::not_found("job", &id))?;
+            let seq = id
+                .parse()
+                .map_err(|_| Refusal::not_found(ProblemCode::JobNotFound, "job", &id))?;
             app.job(seq).map(Self)
         })
         .await
@@ -37,6 +40,7 @@ impl FromRequestParts<App> for FoundRun {
 
 async fn id(parts: &mut Parts, app: &App) -> Result<String, Refusal> {
     let path = Path::from_request_parts(parts, app).await;
-    let Path(id) = path.map_err(|_| Refusal::bad_request("the path cannot be read"))?;
+    let Path(id) =
+        path.map_err(|_| Refusal::new(ProblemCode::InvalidRequest, "the path cannot be read"))?;
     Ok(id)
 }

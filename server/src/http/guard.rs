@@ -7,6 +7,7 @@ use std::net::IpAddr;
 use std::sync::Arc;
 use std::time::Duration;
 
+use api::ProblemCode;
 use axum::extract::{Request, State};
 use axum::http::header::{AUTHORIZATION, CONTENT_TYPE, HOST, ORIGIN, WWW_AUTHENTICATE};
 use axum::http::uri::Authority;
@@ -17,7 +18,7 @@ use sha2::{Digest, Sha256};
 use tokio::sync::Semaphore;
 
 use super::refusal::Refusal;
-use super::{health, page};
+use super::{health, page, problems};
 
 /// Requests answered at a time.
 const MAX_CONCURRENT: usize = 128;
@@ -47,21 +48,24 @@ impl Gate {
             .and_then(|value| value.to_str().ok())
             .or_else(|| request.uri().authority().map(Authority::as_str));
         let Some(host) = host else {
-            return Err(Refusal::bad_request("the header Host is missing"));
+            return Err(Refusal::new(
+                ProblemCode::InvalidHeader,
+                "the header Host is missing",
+            ));
         };
         if self.token.is_none() && !is_loopback(host) {
             let detail = "this server answers to localhost and loopback addresses only";
-            return Err(Refusal::new(StatusCode::FORBIDDEN, detail));
+            return Err(Refusal::new(ProblemCode::ForeignHost, detail));
         }
         let is_read = [Method::GET, Method::HEAD].contains(request.method());
         if !is_read && !is_same_origin(headers, host) {
             let detail = "requests that change something may not come from pages of other sites";
-            return Err(Refusal::new(StatusCode::FORBIDDEN, detail));
+            return Err(Refusal::new(ProblemCode::ForeignOrigin, detail));
         }
         match self.token {
             Some(token) if !is_open(request.uri().path()) && bearer(headers) != Some(token) => {
                 let detail = "send the header Authorization: Bearer, with the server's token";
-                Err(Refusal::new(StatusCode::UNAUTHORIZED, detail))
+                Err(Refusal::new(ProblemCode::TokenNeeded, detail))
             }
             _ => Ok(()),
         }
@@ -73,12 +77,14 @@ pub async fn guard(State(gate): State<Gate>, request: Request, next: Next) -> Re
     let mut response = match gate.check(&request) {
         Err(refusal) => refusal.into_response(),
         Ok(()) => match gate.places.try_acquire() {
-            Err(_) => overloaded("too many requests at a time").into_response(),
+            Err(_) => later(ProblemCode::Overloaded, "too many requests at a time").into_response(),
             // Once its body is there a job is stored however long that takes, so its id is told.
             Ok(_place) if is_submission(&request) => as_problem(next.run(request).await),
             Ok(_place) => match tokio::time::timeout(TIMEOUT, next.run(request)).await {
                 Ok(response) => as_problem(response),
-                Err(_) => overloaded("the answer took too long").into_response(),
+                Err(_) => {
+                    later(ProblemCode::AnswerTooSlow, "the answer took too long").into_response()
+                }
             },
         },
     };
@@ -96,15 +102,15 @@ pub async fn guard(State(gate): State<Gate>, request: Request, next: Next) -> Re
 
 /// Whether a route tells nothing of jobs, so that no token is needed.
 fn is_open(path: &str) -> bool {
-    page::is_asset(path) || health::is_health(path)
+    page::is_asset(path) || health::is_health(path) || problems::is_problem(path)
 }
 
 fn is_submission(request: &Request) -> bool {
     request.method() == Method::POST && request.uri().path() == "/v1/jobs"
 }
 
-fn overloaded(detail: &str) -> Refusal {
-    Refusal::new(StatusCode::SERVICE_UNAVAILABLE, detail).retry_after_s(1)
+fn later(code: ProblemCode, detail: &str) -> Refusal {
+    Refusal::new(code, detail).retry_after_s(1)
 }
 
 /// What axum itself refuses, such as a path that is not UTF-8, in the form of all other refusals.
@@ -118,7 +124,12 @@ fn as_problem(response: Response) -> Response {
     if is_problem || !(status.is_client_error() || status.is_server_error()) {
         return response;
     }
-    Refusal::new(status, "the request cannot be understood").into_response()
+    let code = match status {
+        StatusCode::PAYLOAD_TOO_LARGE => ProblemCode::BodyTooLarge,
+        status if status.is_server_error() => ProblemCode::Internal,
+        _ => ProblemCode::InvalidRequest,
+    };
+    Refusal::new(code, "the request cannot be understood").into_response()
 }
 
 /// Whether a host, with or without a port, names this machine alone.

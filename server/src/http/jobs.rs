@@ -1,6 +1,6 @@
 //! `/v1/jobs`: post, list, show, pause, resume, cancel, delete, and a job's runs.
 
-use api::{JobPage, RunPage};
+use api::{JobPage, ProblemCode, RunPage};
 use axum::body::Bytes;
 use axum::extract::{FromRequest, Request, State};
 use axum::http::header::LOCATION;
@@ -35,7 +35,7 @@ async fn create(State(app): State<App>, request: Request) -> Result<Response, Re
     let idempotency_key = idempotency_key(&headers)?;
     let body = tokio::time::timeout(TIMEOUT, Bytes::from_request(request, &()))
         .await
-        .map_err(|_| Refusal::new(StatusCode::REQUEST_TIMEOUT, "the body took too long"))?;
+        .map_err(|_| Refusal::new(ProblemCode::BodyTooSlow, "the body took too long"))?;
     let body = json_body(&headers, body)?;
     app.blocking(move |app| {
         let arenas = StoredArenas::new(&app.store);
@@ -131,7 +131,10 @@ async fn retry(State(app): State<App>, FoundJob(job): FoundJob) -> Result<Json<a
     app.blocking(move |app| {
         let state = job.intent.job_state(&job.counts);
         if !state.is_final() {
-            return Err(Refusal::conflict(format!("the job is {state}")));
+            return Err(Refusal::new(
+                ProblemCode::NotEnded,
+                format!("the job is {state}"),
+            ));
         }
         app.scheduler.retry(job.seq)?;
         Ok(Json(views::job(&app.job(job.seq)?, &app.scheduler)))
@@ -154,7 +157,8 @@ async fn want(app: App, job: JobView, intent: Intent) -> Result<Json<api::Job>, 
         if job.intent != intent {
             let state = job.intent.job_state(&job.counts);
             if state.is_final() {
-                return Err(Refusal::conflict(format!("the job is {state} already")));
+                let detail = format!("the job is {state} already");
+                return Err(Refusal::new(ProblemCode::AlreadyEnded, detail));
             }
             app.scheduler.set_intent(job.seq, intent)?;
         }

@@ -10,6 +10,7 @@ mod health;
 mod job_findings;
 mod jobs;
 mod page;
+mod problems;
 mod refusal;
 mod request;
 mod runs;
@@ -20,8 +21,9 @@ mod views;
 
 use std::sync::Arc;
 
+use api::ProblemCode;
 use axum::extract::DefaultBodyLimit;
-use axum::http::{Method, StatusCode, Uri};
+use axum::http::{Method, Uri};
 use axum::{Router, middleware};
 
 use crate::findings::Assembler;
@@ -55,14 +57,14 @@ impl App {
     fn job(&self, seq: JobKey) -> Result<JobView, Refusal> {
         self.store
             .job(seq)?
-            .ok_or_else(|| Refusal::not_found("job", &seq.to_string()))
+            .ok_or_else(|| Refusal::not_found(ProblemCode::JobNotFound, "job", &seq.to_string()))
     }
 
     /// The run of this id.
     fn run(&self, id: &str) -> Result<RunView, Refusal> {
         self.store
             .run(id)?
-            .ok_or_else(|| Refusal::not_found("run", id))
+            .ok_or_else(|| Refusal::not_found(ProblemCode::RunNotFound, "run", id))
     }
 }
 
@@ -83,11 +85,14 @@ fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, token: Option<&str>) -> 
     Router::new()
         .merge(page::routes())
         .merge(health::routes())
+        .merge(problems::routes())
         .nest("/v1", v1)
-        .fallback(async |uri: Uri| Refusal::not_found("page", uri.path()))
+        .fallback(async |uri: Uri| {
+            Refusal::not_found(ProblemCode::RouteNotFound, "page", uri.path())
+        })
         .method_not_allowed_fallback(async |method: Method| {
             let detail = format!("{method} is not possible here");
-            Refusal::new(StatusCode::METHOD_NOT_ALLOWED, detail)
+            Refusal::new(ProblemCode::MethodNotAllowed, detail)
         })
         .layer(DefaultBodyLimit::max(request::MAX_BODY_BYTES))
         .layer(middleware::from_fn_with_state(

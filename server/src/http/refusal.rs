@@ -1,6 +1,6 @@
 //! Everything that a route can refuse with, as `application/problem+json`.
 
-use api::{FieldError, Problem};
+use api::{FieldError, Problem, ProblemCode};
 use axum::http::header::{CONTENT_TYPE, RETRY_AFTER};
 use axum::http::{HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
@@ -11,41 +11,24 @@ use crate::store::{CreateJobError, SaveArenaError, StoreError};
 /// A problem, ready to be sent.
 #[derive(Debug)]
 pub struct Refusal {
-    status: StatusCode,
     problem: Box<Problem>,
     retry_after_s: Option<u32>,
 }
 
 impl Refusal {
-    /// A problem of this status, with a sentence on what happened here.
-    pub fn new(status: StatusCode, detail: impl Into<String>) -> Self {
-        let title = status.canonical_reason().unwrap_or("Error");
-        let problem = Problem::new(status.as_u16(), title).with_detail(detail);
+    /// A problem of this kind, with a sentence on what happened here.
+    pub fn new(code: ProblemCode, detail: impl Into<String>) -> Self {
         Self {
-            status,
-            problem: Box::new(problem),
+            problem: Box::new(Problem::new(code).with_detail(detail)),
             retry_after_s: None,
         }
     }
 
-    /// There is no such thing.
-    pub fn not_found(what: &str, name: &str) -> Self {
+    /// There is no such thing; `code` says what kind of thing.
+    pub fn not_found(code: ProblemCode, what: &str, name: &str) -> Self {
         // Names come from the path; what is echoed is kept short.
         let name: String = name.chars().take(80).collect();
-        Self::new(
-            StatusCode::NOT_FOUND,
-            format!("there is no {what} {name:?}"),
-        )
-    }
-
-    /// The present state does not allow it.
-    pub fn conflict(detail: impl Into<String>) -> Self {
-        Self::new(StatusCode::CONFLICT, detail)
-    }
-
-    /// The request itself is malformed.
-    pub fn bad_request(detail: impl Into<String>) -> Self {
-        Self::new(StatusCode::BAD_REQUEST, detail)
+        Self::new(code, format!("there is no {what} {name:?}"))
     }
 
     /// The document is JSON, but these fields are wrong.
@@ -54,17 +37,21 @@ impl Refusal {
             [error] => error.to_string(),
             errors => format!("{} fields are wrong", errors.len()),
         };
-        let mut refusal = Self::new(StatusCode::UNPROCESSABLE_ENTITY, detail);
-        refusal.problem.errors = errors;
-        refusal
+        Self::new(ProblemCode::InvalidDocument, detail).with_errors(errors)
     }
 
     /// The fault is the server's. The log has the reason; the client does not need it.
     pub fn internal(reason: &dyn std::fmt::Display) -> Self {
         tracing::error!(%reason, "a request failed");
+        Self::new(ProblemCode::Internal, "the server failed; its log says why")
+    }
+
+    /// What is stored cannot be used. The log has the reason.
+    pub fn damaged(reason: &dyn std::fmt::Display) -> Self {
+        tracing::error!(%reason, "stored data is damaged");
         Self::new(
-            StatusCode::INTERNAL_SERVER_ERROR,
-            "the server failed; its log says why",
+            ProblemCode::Damaged,
+            "stored data cannot be used; the server's log says why",
         )
     }
 
@@ -87,7 +74,9 @@ impl IntoResponse for Refusal {
     fn into_response(self) -> Response {
         // A problem holds strings, numbers and lists: JSON can hold all of them.
         let body = serde_json::to_vec(&self.problem).unwrap_or_default();
-        let mut response = (self.status, body).into_response();
+        let status = StatusCode::from_u16(self.problem.status);
+        let status = status.unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
+        let mut response = (status, body).into_response();
         let headers = response.headers_mut();
         headers.insert(CONTENT_TYPE, HeaderValue::from_static(Problem::MEDIA_TYPE));
         if let Some(seconds) = self.retry_after_s {
@@ -99,23 +88,26 @@ impl IntoResponse for Refusal {
 
 impl From<StoreError> for Refusal {
     fn from(error: StoreError) -> Self {
-        Self::internal(&error)
+        match error {
+            StoreError::Unreadable { .. } => Self::damaged(&error),
+            _ => Self::internal(&error),
+        }
     }
 }
 
 impl From<FindingsError> for Refusal {
     fn from(error: FindingsError) -> Self {
-        match error {
-            FindingsError::NotKept(_) | FindingsError::Unfinished { .. } => {
-                Self::conflict(error.to_string())
+        let code = match error {
+            FindingsError::NotKept(_) => ProblemCode::FindingsNotKept,
+            FindingsError::Unfinished { .. } => ProblemCode::ReportNotReady,
+            FindingsError::RunGone(_) => ProblemCode::RunNotFound,
+            FindingsError::NoReport(_) => ProblemCode::ReportNotFound,
+            FindingsError::Broken { .. } | FindingsError::Checkpoint(_) => {
+                return Self::damaged(&error);
             }
-            FindingsError::RunGone(_) | FindingsError::NoReport(_) => {
-                Self::new(StatusCode::NOT_FOUND, error.to_string())
-            }
-            FindingsError::Broken { .. }
-            | FindingsError::Store(_)
-            | FindingsError::Checkpoint(_) => Self::internal(&error),
-        }
+            FindingsError::Store(error) => return error.into(),
+        };
+        Self::new(code, error.to_string())
     }
 }
 
@@ -123,16 +115,16 @@ impl From<CreateJobError> for Refusal {
     fn from(error: CreateJobError) -> Self {
         match error {
             CreateJobError::KeyReused => Self::new(
-                StatusCode::UNPROCESSABLE_ENTITY,
+                ProblemCode::KeyReused,
                 "this Idempotency-Key was used for a job with another body",
             ),
             CreateJobError::QueueFull { unfinished, limit } => Self::new(
-                StatusCode::TOO_MANY_REQUESTS,
+                ProblemCode::QueueFull,
                 format!("{unfinished} runs are unfinished and at most {limit} may be"),
             )
             .retry_after_s(30),
             CreateJobError::TooLarge { .. } => {
-                Self::new(StatusCode::UNPROCESSABLE_ENTITY, error.to_string())
+                Self::new(ProblemCode::JobTooLarge, error.to_string())
             }
             CreateJobError::Store(error) => error.into(),
         }
@@ -142,12 +134,11 @@ impl From<CreateJobError> for Refusal {
 impl From<SaveArenaError> for Refusal {
     fn from(error: SaveArenaError) -> Self {
         match error {
-            SaveArenaError::NameTaken => {
-                Self::conflict("another arena has this name; delete it first or choose another")
-            }
-            SaveArenaError::Full(_) => {
-                Self::new(StatusCode::INSUFFICIENT_STORAGE, error.to_string())
-            }
+            SaveArenaError::NameTaken => Self::new(
+                ProblemCode::ArenaNameTaken,
+                "another arena has this name; delete it first or choose another",
+            ),
+            SaveArenaError::Full(_) => Self::new(ProblemCode::ArenasFull, error.to_string()),
             SaveArenaError::Store(error) => error.into(),
         }
     }

@@ -1,6 +1,6 @@
 //! What routes read from a request: JSON bodies, page queries, idempotency keys.
 
-use api::FieldError;
+use api::{FieldError, ProblemCode};
 use axum::body::Bytes;
 use axum::extract::rejection::BytesRejection;
 use axum::http::header::CONTENT_TYPE;
@@ -27,14 +27,14 @@ pub fn json_body(
 ) -> Result<Bytes, Refusal> {
     if !is_json(headers) {
         let detail = "send JSON, with the header content-type: application/json";
-        return Err(Refusal::new(StatusCode::UNSUPPORTED_MEDIA_TYPE, detail));
+        return Err(Refusal::new(ProblemCode::NotSaidToBeJson, detail));
     }
     body.map_err(|rejection| match rejection.status() {
         StatusCode::PAYLOAD_TOO_LARGE => Refusal::new(
-            StatusCode::PAYLOAD_TOO_LARGE,
+            ProblemCode::BodyTooLarge,
             format!("a body has at most {MAX_BODY_BYTES} bytes"),
         ),
-        _ => Refusal::bad_request("the body broke off"),
+        _ => Refusal::new(ProblemCode::InvalidRequest, "the body broke off"),
     })
 }
 
@@ -45,12 +45,13 @@ pub fn json_body(
 pub fn parse(body: &[u8]) -> Result<Value, Refusal> {
     let not_json = |message: String| {
         let errors = vec![FieldError::new("", message, "a JSON object")];
-        Refusal::bad_request("the body is not JSON").with_errors(errors)
+        Refusal::new(ProblemCode::InvalidJson, "the body is not JSON").with_errors(errors)
     };
     let text =
         std::str::from_utf8(body).map_err(|error| not_json(format!("not UTF-8: {error}")))?;
-    crate::documents::parse(text)
-        .map_err(|errors| Refusal::bad_request("the body is not JSON").with_errors(errors))
+    crate::documents::parse(text).map_err(|errors| {
+        Refusal::new(ProblemCode::InvalidJson, "the body is not JSON").with_errors(errors)
+    })
 }
 
 fn is_json(headers: &HeaderMap) -> bool {
@@ -77,9 +78,10 @@ pub fn idempotency_key(headers: &HeaderMap) -> Result<Option<String>, Refusal> {
     };
     match value.to_str() {
         Ok(key) if (1..=MAX_KEY_BYTES).contains(&key.len()) => Ok(Some(key.to_owned())),
-        _ => Err(Refusal::bad_request(format!(
-            "an Idempotency-Key has 1 to {MAX_KEY_BYTES} printable ASCII characters"
-        ))),
+        _ => Err(Refusal::new(
+            ProblemCode::InvalidHeader,
+            format!("an Idempotency-Key has 1 to {MAX_KEY_BYTES} printable ASCII characters"),
+        )),
     }
 }
 
@@ -123,12 +125,14 @@ pub fn number(uri: &Uri, name: &str, min: i64, max: i64) -> Result<Option<i64>, 
     };
     match text.parse() {
         Ok(number) if (min..=max).contains(&number) => Ok(Some(number)),
-        _ if max == i64::MAX => Err(Refusal::bad_request(format!(
-            "{name} is not one that an earlier page gave"
-        ))),
-        _ => Err(Refusal::bad_request(format!(
-            "{name} is a whole number from {min} to {max}"
-        ))),
+        _ if max == i64::MAX => Err(Refusal::new(
+            ProblemCode::InvalidQuery,
+            format!("{name} is not one that an earlier page gave"),
+        )),
+        _ => Err(Refusal::new(
+            ProblemCode::InvalidQuery,
+            format!("{name} is a whole number from {min} to {max}"),
+        )),
     }
 }
 

@@ -1,6 +1,6 @@
 //! `/v1/runs/{id}`: show, spec, result, memory, channels, cancel.
 
-use api::{MemoryPlan, RunResult, RunSummary};
+use api::{MemoryPlan, ProblemCode, RunResult, RunSummary};
 use axum::extract::State;
 use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse, Response};
@@ -43,9 +43,10 @@ async fn result(FoundRun(run): FoundRun) -> Result<Json<RunResult>, Refusal> {
     let state = run.state.state();
     match run.state {
         RunState::Done(result) => Ok(Json(*result)),
-        _ => Err(Refusal::conflict(format!(
-            "the run has no result: it is {state}"
-        ))),
+        _ => {
+            let detail = format!("the run has no result: it is {state}");
+            Err(Refusal::new(ProblemCode::NoResult, detail))
+        }
     }
 }
 
@@ -91,7 +92,8 @@ async fn cancel(
         let after = app.run(&run.id)?;
         let state = after.state.state();
         if ended && state != api::State::Cancelled {
-            return Err(Refusal::conflict(format!("the run is {state} already")));
+            let detail = format!("the run is {state} already");
+            return Err(Refusal::new(ProblemCode::AlreadyEnded, detail));
         }
         Ok(Json(views::run(&after, &app.scheduler)))
     })

@@ -2,16 +2,23 @@
 
 use serde_json::json;
 use tests::command::evswarm;
+use tests::refusals::row;
 use tests::small_spec;
 
 #[test]
 fn commands_that_cannot_work_end_with_1() {
     let home = tempfile::tempdir().unwrap();
     let path = |name: &str| home.path().join(name).to_str().unwrap().to_owned();
-    let failed = |arguments: &[&str], input: &str, words: &str| {
+    let spec_or_out =
+        "a spec that cannot be read, or an output directory that holds something else";
+    let refused = |what: &str, arguments: &[&str], input: &str, words: &str| {
         let done = evswarm(arguments, input);
-        assert_eq!(done.code, Some(1), "{arguments:?}: {done:?}");
+        let exit = row(what).exit.map(i32::from);
+        assert_eq!(done.code, exit, "{arguments:?}: {done:?}");
         assert!(done.stderr.contains(words), "{arguments:?}: {done:?}");
+    };
+    let failed = |arguments: &[&str], input: &str, words: &str| {
+        refused(spec_or_out, arguments, input, words);
     };
     let (spec, out) = (small_spec().to_string(), path("out"));
     failed(
@@ -43,6 +50,7 @@ fn commands_that_cannot_work_end_with_1() {
     for at in ["0.0.0.0:0", "[::]:0"] {
         let arguments = listen(at);
         let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
-        failed(&arguments, "", "set a token");
+        let open = "listening beyond this machine without a token (`evswarm serve`)";
+        refused(open, &arguments, "", "set a token");
     }
 }

@@ -7,9 +7,12 @@ mod requests;
 mod specs;
 
 use std::collections::BTreeSet;
+use std::fs;
 
 use api::FieldError;
+use api::refusals::REFUSED;
 use tests::readme;
+use tests::refusals::row;
 
 /// Whether there is an error at this place with these words, which says what is allowed.
 fn has(errors: &[FieldError], pointer: &str, words: &str) -> bool {
@@ -18,92 +21,31 @@ fn has(errors: &[FieldError], pointer: &str, words: &str) -> bool {
     })
 }
 
+/// The texts of the tests that show rows, besides those of wrong specs: the ones here, and those of
+/// the service itself, which can have smaller limits.
+fn sources() -> String {
+    let folders = ["tests/tests/refusals", "server/src/http/tests"];
+    let files = folders.map(|folder| fs::read_dir(readme::root().join(folder)).unwrap());
+    let paths = files.into_iter().flatten().map(|file| file.unwrap().path());
+    paths
+        .map(|path| fs::read_to_string(path).unwrap())
+        .collect()
+}
+
 #[test]
-fn every_row_of_the_readme_is_tested() {
-    let here: BTreeSet<&str> = specs::wrong_specs()
+fn every_row_of_the_table_has_its_test() {
+    let specs: BTreeSet<&str> = specs::wrong_specs()
         .into_iter()
-        .map(|wrong| wrong.0)
+        .map(|wrong| row(wrong.0).what)
         .collect();
-    let elsewhere = [
-        // The tests beside this file.
-        ("text that is not JSON", "400", "2"),
-        (
-            "a matrix with a wrong path, no value or twice the same run",
-            "422",
-            "",
-        ),
-        (
-            "parts beside a matrix, or two that make the same run",
-            "422",
-            "",
-        ),
-        (
-            "a seed twice, or seeds beside a seed in the base run",
-            "422",
-            "",
-        ),
-        ("a job of more than 100,000 runs", "422", ""),
-        ("an idempotency key used for another body", "422", ""),
-        ("a body of more than 4 MiB", "413", ""),
-        ("a body that is not said to be JSON", "415", ""),
-        ("a page size or cursor that makes no sense", "400", ""),
-        (
-            "a missing or wrong token, where the server has one",
-            "401",
-            "",
-        ),
-        (
-            "another host's name, or a change asked for by another site's page",
-            "403",
-            "",
-        ),
-        (
-            "an unknown job, run, arena or route, or the report of another job than chapter 5",
-            "404",
-            "",
-        ),
-        ("a method that a route does not have", "405", ""),
-        (
-            "the result of an unfinished run, or cancelling a finished one",
-            "409",
-            "",
-        ),
-        (
-            "the report of an unfinished job, or trying one again",
-            "409",
-            "",
-        ),
-        (
-            "an arena whose name is taken, or deleting one in use",
-            "409",
-            "",
-        ),
-        (
-            "a spec that cannot be read, or an output directory that holds something else",
-            "",
-            "1",
-        ),
-        (
-            "listening beyond this machine without a token (`evswarm serve`)",
-            "",
-            "1",
-        ),
-        // The service's own tests, with a smaller limit.
-        (
-            "more than 200,000 unfinished runs (`Retry-After` is given)",
-            "429",
-            "",
-        ),
-    ];
-    let expected: BTreeSet<(&str, &str, &str)> = here
-        .into_iter()
-        .map(|row| (row, "422", "2"))
-        .chain(elsewhere)
-        .collect();
-    let table = readme::table("What is refused, and how");
-    let told: BTreeSet<(&str, &str, &str)> = table
+    let sources = sources();
+    let untested: Vec<&str> = REFUSED
         .iter()
-        .map(|row| (&*row[0], &*row[1], &*row[2]))
+        .map(|case| case.what)
+        .filter(|what| !specs.contains(what) && !sources.contains(&format!("{what:?}")))
         .collect();
-    assert_eq!(told, expected);
+    assert!(
+        untested.is_empty(),
+        "no test names these rows of api/src/refusals.rs: {untested:#?}"
+    );
 }

@@ -1,8 +1,10 @@
 //! Requests that are wrong in form, or at the wrong time.
 
-use api::Problem;
-use serde_json::json;
+use api::ProblemCode;
+use serde_json::{Value, json};
 use tests::command::evswarm;
+use tests::http::Answer;
+use tests::refusals::row;
 use tests::server::Server;
 use tests::{job, small_spec};
 
@@ -11,52 +13,81 @@ fn wrong_requests_are_refused() {
     let home = tempfile::tempdir().unwrap();
     let server = Server::start(home.path());
     let as_json = ("content-type", "application/json");
-    let post = |headers: &[(&str, &str)], body: &[u8]| -> Problem {
-        let answer = server.send("POST", "/v1/jobs", headers, body);
-        answer.problem(answer.status)
+    let post = |headers: &[(&str, &str)], body: &[u8]| -> Answer {
+        server.send("POST", "/v1/jobs", headers, body)
     };
+    let not_json = "text that is not JSON";
     for text in ["{", "", "nonsense", "{\"a\": 1,}", "\u{feff}{}"] {
         let out = home.path().join("out");
         let done = evswarm(&["run", "-", "--out", out.to_str().unwrap()], text);
-        assert_eq!(done.code, Some(2), "{text:?}: {done:?}");
+        assert_eq!(
+            done.code,
+            row(not_json).exit.map(i32::from),
+            "{text:?}: {done:?}"
+        );
         assert!(done.stderr.starts_with("(document): not JSON"), "{done:?}");
-        let problem = post(&[as_json], text.as_bytes());
-        assert_eq!((problem.status, problem.errors.len()), (400, 1), "{text:?}");
+        let problem = post(&[as_json], text.as_bytes()).refused(not_json);
+        assert_eq!(problem.errors.len(), 1, "{text:?}");
     }
-    assert_eq!(post(&[as_json], b"\xff\xfe").status, 400);
-    assert_eq!(post(&[as_json], "[".repeat(100_000).as_bytes()).status, 400);
-    assert_eq!(post(&[as_json], &vec![b' '; (4 << 20) + 1]).status, 413);
-    assert_eq!(post(&[("content-type", "text/plain")], b"{}").status, 415);
-    assert_eq!(
-        post(&[as_json, ("origin", "http://example.org")], b"{}").status,
-        403
-    );
-    assert_eq!(post(&[as_json, ("host", "example.org")], b"{}").status, 403);
+    post(&[as_json], b"\xff\xfe").refused(not_json);
+    post(&[as_json], "[".repeat(100_000).as_bytes()).refused(not_json);
+    let large = vec![b' '; (4 << 20) + 1];
+    post(&[as_json], &large).refused("a body of more than 4 MiB");
+    post(&[("content-type", "text/plain")], b"{}").refused("a body that is not said to be JSON");
+    post(&[as_json, ("origin", "http://example.org")], b"{}")
+        .refused("a change asked for by another site's page");
+    post(&[as_json, ("host", "example.org")], b"{}")
+        .refused("another host's name, where there is no token");
     let own = server.url().to_owned();
     assert_eq!(post(&[as_json, ("origin", &own)], b"[]").status, 422);
+    let long = "k".repeat(201);
+    post(&[as_json, ("idempotency-key", &long)], b"{}")
+        .refused("an idempotency key that is empty or too long");
 
     for query in ["limit=0", "limit=many", "cursor=-1"] {
-        server.get(&format!("/v1/jobs?{query}")).problem(400);
+        server
+            .get(&format!("/v1/jobs?{query}"))
+            .refused("a page size or cursor that makes no sense");
     }
     let unknown = [
-        "/v1/jobs/7",
-        "/v1/jobs/x/runs",
-        "/v1/runs/0123",
-        "/v1/runs/0123/coverage.png",
-        "/v1/arenas/nowhere",
-        "/v1/arenas/nowhere.svg",
-        "/v2",
-        "/v1/jobs/%2e%2e",
+        ("/v1/jobs/7", "an unknown job"),
+        ("/v1/jobs/x/runs", "an unknown job"),
+        ("/v1/jobs/%2e%2e", "an unknown job"),
+        ("/v1/runs/0123", "an unknown run"),
+        ("/v1/runs/0123/coverage.png", "an unknown run"),
+        ("/v1/arenas/nowhere", "an unknown arena"),
+        ("/v1/arenas/nowhere.svg", "an unknown arena"),
+        ("/v2", "an unknown route"),
+        ("/problems/none", "an unknown route"),
+        ("/v1/runs/%ff", "a path that is not UTF-8"),
     ];
-    for path in unknown {
-        server.get(path).problem(404);
+    for (path, row) in unknown {
+        server.get(path).refused(row);
     }
-    server
-        .send("PUT", "/v1/jobs", &[as_json], b"{}")
-        .problem(405);
-    server
-        .send("POST", "/v1/runs/7", &[as_json], b"{}")
-        .problem(405);
+    for (method, path) in [("PUT", "/v1/jobs"), ("POST", "/v1/runs/7")] {
+        let answer = server.send(method, path, &[as_json], b"{}");
+        answer.refused("a method that a route does not have");
+        assert!(answer.headers.contains_key("allow"));
+    }
+}
+
+#[test]
+fn every_code_says_what_it_means() {
+    let home = tempfile::tempdir().unwrap();
+    let server = Server::start(home.path());
+    let all: Value = server.read("/problems");
+    assert_eq!(
+        all["items"].as_array().unwrap().len(),
+        ProblemCode::ALL.len()
+    );
+    for code in ProblemCode::ALL {
+        let told: Value = server.read(code.uri());
+        assert_eq!(
+            (&told["code"], &told["status"]),
+            (&json!(code.code()), &json!(code.status()))
+        );
+        assert_eq!(told["meaning"], code.meaning());
+    }
 }
 
 #[test]
@@ -72,9 +103,13 @@ fn what_contradicts_the_state_of_things_is_refused() {
     let arena = long["arena"].clone();
     let running = server.submit(&job(long, 1));
     let run = server.only_run(&running).id;
-    server.get(&format!("/v1/runs/{run}/result")).problem(409);
+    server
+        .get(&format!("/v1/runs/{run}/result"))
+        .refused("the result of an unfinished run");
     let retry = format!("/v1/jobs/{}/retry", running.id);
-    server.send("POST", &retry, &[], b"").problem(409);
+    server
+        .send("POST", &retry, &[], b"")
+        .refused("trying again a job that has not ended");
     let long_chapter = json!({
         "base": { "epochs": 1_000_000, "arena": "easy" },
         "matrix": { "controller.method": server.methods() }
@@ -82,36 +117,48 @@ fn what_contradicts_the_state_of_things_is_refused() {
     let chapter = server.submit(&long_chapter);
     server
         .get(&format!("/v1/jobs/{}/report.html", chapter.id))
-        .problem(409);
+        .refused("the report of an unfinished job");
     let path = format!("/v1/jobs/{}", chapter.id);
     assert_eq!(server.send("DELETE", &path, &[], b"").status, 204);
     let no_chapter = format!("/v1/jobs/{}/report", running.id);
-    server.get(&no_chapter).problem(404);
+    server
+        .get(&no_chapter)
+        .refused("the report of another job than chapter 5");
     let done = server.wait_for(&server.submit(&job(small_spec(), 1)));
     server
         .send("POST", &format!("/v1/jobs/{}/cancel", done.id), &[], b"")
-        .problem(409);
+        .refused("cancelling what has ended");
     let run = server.only_run(&done).id;
     server
         .send("POST", &format!("/v1/runs/{run}/cancel"), &[], b"")
-        .problem(409);
+        .refused("cancelling what has ended");
+    let cancel = format!("/v1/jobs/{}/cancel", running.id);
+    assert_eq!(server.send("POST", &cancel, &[], b"").status, 200);
+    let run = server.only_run(&running).id;
+    server
+        .get(&format!("/v1/runs/{run}/coverage"))
+        .refused("what a cancelled run covered");
 
     let mut room = arena;
     room["name"] = json!("room");
     assert_eq!(server.post("/v1/arenas", &room).status, 201);
     room["width_m"] = json!(0.7);
-    server.post("/v1/arenas", &room).problem(409);
+    server
+        .post("/v1/arenas", &room)
+        .refused("an arena whose name is taken");
     room["name"] = json!("maze");
-    server.post("/v1/arenas", &room).problem(409);
+    server
+        .post("/v1/arenas", &room)
+        .refused("an arena whose name is taken");
     let mut user = small_spec();
     user["arena"] = json!("room");
     server.wait_for(&server.submit(&job(user, 1)));
     server
         .send("DELETE", "/v1/arenas/room", &[], b"")
-        .problem(409);
+        .refused("deleting an arena in use");
     server
         .send("DELETE", "/v1/arenas/maze", &[], b"")
-        .problem(409);
+        .refused("deleting a built-in arena");
 }
 
 #[test]
@@ -119,9 +166,10 @@ fn a_server_with_a_token_asks_for_it() {
     let home = tempfile::tempdir().unwrap();
     let token = "sixteen characters or more";
     let server = Server::start_with(home.path(), &["--token", token]);
-    server.get("/v1/jobs").problem(401);
+    let refused = "a missing or wrong token, where the server has one";
+    server.get("/v1/jobs").refused(refused);
     let with = |value: &str| server.send("GET", "/v1/jobs", &[("authorization", value)], b"");
-    with("Bearer wrong").problem(401);
+    with("Bearer wrong").refused(refused);
     assert_eq!(with(&format!("Bearer {token}")).status, 200);
     assert_eq!(server.get("/health/livez").status, 200);
 }

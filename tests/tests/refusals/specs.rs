@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 use tests::command::evswarm;
+use tests::refusals::row;
 use tests::server::Server;
 use tests::{job, small_spec};
 
@@ -315,7 +316,11 @@ fn wrong_specs_are_refused_by_the_service_and_by_the_command() {
             &["run", "-", "--out", out.to_str().unwrap()],
             &spec.to_string(),
         );
-        assert_eq!(done.code, Some(2), "{told}: {done:?}");
+        assert_eq!(
+            done.code,
+            self::row(row).exit.map(i32::from),
+            "{told}: {done:?}"
+        );
         let line = format!("{pointer}: ");
         let found = done
             .stderr
@@ -333,7 +338,7 @@ fn wrong_specs_are_refused_by_the_service_and_by_the_command() {
         } else {
             job(spec, 1)
         };
-        let problem = server.post("/v1/jobs", &posted).problem(422);
+        let problem = server.post("/v1/jobs", &posted).refused(row);
         assert!(
             has(&problem.errors, &format!("/base{pointer}"), words),
             "{told}: {problem:?}"

@@ -2,6 +2,8 @@
 
 use super::*;
 
+const DAMAGED: &str = "a stored spec or checkpoint that is damaged";
+
 #[tokio::test]
 async fn a_summary_counts_no_broken_spec_as_one_robot() {
     let service = Service::start(None);
@@ -21,7 +23,8 @@ async fn a_summary_counts_no_broken_spec_as_one_robot() {
         database
             .execute(&format!("UPDATE runs SET spec = {broken}"), [])
             .unwrap();
-        assert_problem(&service.get(&format!("{path}/summary")).await, 500);
+        let refused = service.get(&format!("{path}/summary")).await;
+        assert_refused(&refused, DAMAGED);
     }
 }
 
@@ -53,5 +56,5 @@ async fn a_damaged_checkpoint_is_not_shown_as_zeros() {
         assert!(start.elapsed() < Duration::from_secs(60));
         tokio::time::sleep(Duration::from_millis(10)).await;
     };
-    assert_problem(&refused, 500);
+    assert_refused(&refused, DAMAGED);
 }

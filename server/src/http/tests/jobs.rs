@@ -185,9 +185,13 @@ async fn a_full_queue_says_when_to_come_again() {
     let service = Service::start(None);
     service.job(&job(1_000_000, 6)).await;
     let refused = service.post("/v1/jobs", &job(999_999, 6)).await;
-    assert_problem(&refused, 429);
+    assert_refused(
+        &refused,
+        "more than 200,000 unfinished runs (`Retry-After` is given)",
+    );
     assert!(refused.headers.contains_key("retry-after"));
-    assert_problem(&service.post("/v1/jobs", &job(999_999, 11)).await, 422);
+    let larger = service.post("/v1/jobs", &job(999_999, 11)).await;
+    assert_refused(&larger, "a job of more runs than may be unfinished");
 }
 
 #[tokio::test]

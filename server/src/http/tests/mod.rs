@@ -131,6 +131,13 @@ fn job(epochs: u32, seeds: u32) -> Value {
     })
 }
 
+/// That the answer is what this row of the table of refusals says.
+fn assert_refused(answer: &Answer, what: &str) {
+    let code = api::refusals::refused(what).unwrap().problem.unwrap();
+    assert_problem(answer, code.status());
+    assert_eq!(answer.json()["code"], code.code(), "{what}");
+}
+
 fn assert_problem(answer: &Answer, status: u16) {
     let body = String::from_utf8_lossy(&answer.body);
     assert_eq!(

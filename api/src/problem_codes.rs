@@ -1,0 +1,140 @@
+//! Every problem that the service answers with: one table makes the enum, the codes, their status
+//! and what they mean. Codes are for programs and never change.
+
+macro_rules! problem_codes {
+    ($($name:ident $status:literal $code:literal $title:literal $meaning:literal)*) => {
+        /// A kind of problem.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub enum ProblemCode {
+            $(#[doc = $meaning] $name,)*
+        }
+
+        impl ProblemCode {
+            /// All of them, by status.
+            pub const ALL: &'static [Self] = &[$(Self::$name),*];
+
+            /// The code, for programs.
+            pub const fn code(self) -> &'static str {
+                match self { $(Self::$name => $code),* }
+            }
+
+            /// URI reference of the kind of problem, where the service says what it means.
+            pub const fn uri(self) -> &'static str {
+                match self { $(Self::$name => concat!("/problems/", $code)),* }
+            }
+
+            /// HTTP status.
+            pub const fn status(self) -> u16 {
+                match self { $(Self::$name => $status),* }
+            }
+
+            /// What kind of problem, in a few words.
+            pub const fn title(self) -> &'static str {
+                match self { $(Self::$name => $title),* }
+            }
+
+            /// What it means and what to do.
+            pub const fn meaning(self) -> &'static str {
+                match self { $(Self::$name => $meaning),* }
+            }
+        }
+    };
+}
+
+problem_codes! {
+    InvalidRequest 400 "invalid-request" "The request cannot be read"
+        "Its path, its headers or its body cannot be read as HTTP or as UTF-8, or the body broke off."
+    InvalidHeader 400 "invalid-header" "A header cannot be used"
+        "A header is missing or its value cannot be used; the detail says which."
+    InvalidQuery 400 "invalid-query" "The query cannot be used"
+        "A query parameter does not exist, is given twice, or its value cannot be used."
+    InvalidJson 400 "invalid-json" "The body is not JSON"
+        "The errors say where the text stops being JSON."
+    TokenNeeded 401 "token-needed" "A token is needed"
+        "The server asks for a token and got none or a wrong one."
+    ForeignHost 403 "foreign-host" "Another host's name"
+        "A server without a token answers to localhost and loopback addresses alone."
+    ForeignOrigin 403 "foreign-origin" "Another site's page"
+        "What changes something may not be asked for by a page of another site."
+    JobNotFound 404 "job-not-found" "There is no such job"
+        "No job has this id; it may have been deleted."
+    RunNotFound 404 "run-not-found" "There is no such run"
+        "No job has a run of this id."
+    ArenaNotFound 404 "arena-not-found" "There is no such arena"
+        "No arena is built in or uploaded under this name."
+    ReportNotFound 404 "report-not-found" "The job has no report"
+        "Only jobs of the template chapter-5 have a report."
+    RouteNotFound 404 "route-not-found" "There is no such route"
+        "Nothing is served under this path."
+    MethodNotAllowed 405 "method-not-allowed" "The route does not have this method"
+        "The header Allow says which it has."
+    BodyTooSlow 408 "body-too-slow" "The body took too long"
+        "A body has to arrive within the time that the server gives it."
+    NoResult 409 "no-result" "The run has no result"
+        "A run has its result when it is done."
+    FindingsNotKept 409 "findings-not-kept" "What the run covered is not kept"
+        "A run that failed or was cancelled keeps nothing of what it found."
+    AlreadyEnded 409 "already-ended" "It has ended"
+        "What has ended cannot be cancelled, paused or resumed."
+    NotEnded 409 "not-ended" "It has not ended"
+        "Only a job that has ended can be tried again."
+    ReportNotReady 409 "report-not-ready" "The report is not ready"
+        "A report is made of all runs of its job, once they are done."
+    ArenaNameTaken 409 "arena-name-taken" "The arena's name is taken"
+        "Another arena has this name; delete that one or choose another name."
+    ArenaInUse 409 "arena-in-use" "The arena is in use"
+        "Stored runs use the arena; delete their jobs first."
+    ArenaBuiltIn 409 "arena-built-in" "The arena is built in"
+        "An arena that ships with the program cannot be deleted."
+    BodyTooLarge 413 "body-too-large" "The body is too large"
+        "A body has a greatest size; the detail tells it."
+    NotSaidToBeJson 415 "not-said-to-be-json" "The body is not said to be JSON"
+        "Send the header content-type: application/json."
+    InvalidDocument 422 "invalid-document" "Fields of the document cannot be used"
+        "The body is JSON, but the errors name fields that cannot be used, and what is allowed."
+    KeyReused 422 "idempotency-key-reused" "The idempotency key was used"
+        "Another body was posted with the same Idempotency-Key."
+    JobTooLarge 422 "job-too-large" "The job has too many runs"
+        "The job has more runs than may be unfinished at all."
+    QueueFull 429 "queue-full" "Too many runs are unfinished"
+        "Try again after the time in Retry-After, or cancel jobs."
+    Internal 500 "internal" "The server failed"
+        "The fault is the server's; its log says why."
+    Damaged 500 "damaged" "Stored data is damaged"
+        "What is stored cannot be read or does not fit together; the server's log says which."
+    Overloaded 503 "overloaded" "Too many requests at a time"
+        "Try again after the time in Retry-After."
+    AnswerTooSlow 503 "answer-too-slow" "The answer took too long"
+        "The work was given up; try again after the time in Retry-After."
+    ArenasFull 507 "arenas-full" "Too many arenas are stored"
+        "Delete arenas that no run uses."
+}
+
+impl ProblemCode {
+    /// The problem of this code.
+    pub fn from_code(code: &str) -> Option<Self> {
+        Self::ALL
+            .iter()
+            .copied()
+            .find(|problem| problem.code() == code)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn codes_are_unique_and_sorted_by_status() {
+        let codes: std::collections::BTreeSet<&str> =
+            ProblemCode::ALL.iter().map(|code| code.code()).collect();
+        assert_eq!(codes.len(), ProblemCode::ALL.len());
+        assert!(ProblemCode::ALL.is_sorted_by_key(|code| code.status()));
+        for code in ProblemCode::ALL {
+            let is_plain = |c: char| c.is_ascii_lowercase() || c == '-';
+            assert!(code.code().chars().all(is_plain), "{code:?}");
+            assert_eq!(ProblemCode::from_code(code.code()), Some(*code));
+            assert!(code.meaning().ends_with('.'), "{code:?}");
+        }
+    }
+}
