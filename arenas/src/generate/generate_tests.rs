@@ -3,8 +3,9 @@
 
 use proptest::prelude::*;
 
+use super::random::Random;
 use super::*;
-use crate::{Arena, ArenaFormat, Squares, reachable};
+use crate::{Arena, ArenaFormat, Pose, Squares, reachable};
 
 const RADIUS_M: f64 = 0.037;
 

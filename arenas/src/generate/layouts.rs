@@ -2,9 +2,9 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-use super::Generated;
 use super::axis_walls::AxisWalls;
 use super::cells::Cells;
+use super::generated::Generated;
 use super::random::Random;
 use crate::arena::Pose;
 use crate::error::ArenaError;

@@ -5,7 +5,8 @@ use std::f64::consts::{FRAC_PI_4, SQRT_2};
 use nalgebra::{Point2, Vector2};
 use serde::{Deserialize, Serialize};
 
-use super::{Generated, random::Random};
+use super::generated::Generated;
+use super::random::Random;
 use crate::arena::Pose;
 use crate::error::ArenaError;
 use crate::segment::Segment;

@@ -2,6 +2,7 @@
 //! copies a frame now and then, a thread of its own sends it; a run's results never depend on it,
 //! and a channel that cannot be opened is a warning.
 
+mod extent;
 mod ports;
 mod room;
 mod slot;
@@ -19,9 +20,9 @@ use api::frames::{
     TypeLayout, default_root, frames_service, objects_service, transport_config,
 };
 use swarm::run::{Phase, Progress, Run};
-use swarm::spec::RunSpec;
 use swarm::world::{Bodies, Body, Objects};
 
+pub use extent::Extent;
 pub use ports::ChannelError;
 use ports::{HISTORY, MAX_SUBSCRIBERS, Ports, subscriber_buffer};
 use slot::{Frame, Slot};
@@ -46,27 +47,6 @@ impl Default for ChannelSettings {
         Self {
             root: default_root(),
             max_frames_per_second: 60,
-        }
-    }
-}
-
-/// How much a run's frames show at most.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Extent {
-    /// Robots.
-    pub robots: usize,
-    /// Movable objects, of the arena that has the most.
-    pub objects: usize,
-}
-
-impl Extent {
-    /// Of the runs of a spec.
-    pub fn of(spec: &RunSpec) -> Self {
-        let training = spec.controller.training.as_ref();
-        let training = training.map_or(0, |training| training.arena.objects().len());
-        Self {
-            robots: spec.robots as usize,
-            objects: training.max(spec.arena.objects().len()),
         }
     }
 }

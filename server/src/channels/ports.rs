@@ -17,7 +17,7 @@ use iceoryx2::service::builder::publish_subscribe::PublishSubscribeOpenOrCreateE
 use iceoryx2::service::port_factory::PortFactory as _;
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 
-use super::Extent;
+use super::extent::Extent;
 use super::room::{self, NoRoom};
 use super::slot::{Frame, Slot, Taken};
 

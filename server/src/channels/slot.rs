@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use api::frames::{FrameHeader, ObjectState, RobotState};
 
-use super::Extent;
+use super::extent::Extent;
 
 /// A frame in ordinary memory.
 #[derive(Debug, Default)]

@@ -15,7 +15,7 @@ use super::parts::{Part, parts};
 use super::placement::misfits;
 use super::resolve::{MAX_SEED, resolve_with};
 use super::resolved::ResolvedRun;
-use super::templates::templates;
+use super::templates::prepared;
 
 /// Most runs of a job.
 pub const MAX_RUNS: usize = 100_000;
@@ -158,15 +158,12 @@ fn with_template<'a>(job: &'a Value, errors: &mut Errors) -> Cow<'a, Value> {
     else {
         return Cow::Borrowed(job);
     };
-    let templates = templates();
-    let names: Vec<&str> = templates
-        .iter()
-        .map(|template| template.name.as_str())
-        .collect();
+    let templates = prepared();
+    let names = templates.each_ref().map(|(name, ..)| *name);
     let message = match wanted {
-        Value::String(name) => match templates.iter().find(|template| template.name == *name) {
-            Some(template) => {
-                let mut merged = template.job.clone();
+        Value::String(name) => match templates.iter().find(|(known, ..)| known == name) {
+            Some((_, _, job)) => {
+                let mut merged = job.clone();
                 if let Some(fields) = merged.as_object_mut() {
                     fields.insert("name".to_owned(), Value::from(name.as_str()));
                     // Either of them says what varies.

@@ -15,6 +15,7 @@ mod parts;
 mod placement;
 mod resolve;
 mod resolved;
+mod template_list;
 mod templates;
 
 pub use arena::{ArenaSource, BuiltinArenas, arena_error};
@@ -24,9 +25,9 @@ pub use listing::controllers;
 pub(crate) use matrix::indices_at;
 pub use resolve::{MAX_EPOCHS, MAX_ROBOTS, MAX_SEED, MAX_STEPS_PER_EPOCH, field_error, resolve};
 pub use resolved::ResolvedRun;
+pub use template_list::templates;
 pub use templates::{
     CHAPTER_5, ENGINE_METHODS, SHORT_PHASE_ARENA, SHORT_PHASE_METHOD, SHORT_PHASES, chapter_5,
-    templates,
 };
 
 use api::FieldError;

@@ -2,7 +2,7 @@
 
 use anyhow::Context;
 
-use super::{Claim, Level, Test, Verdict};
+use super::claim::{Claim, Level, Test, Verdict};
 use crate::documents::{
     ArenaSource, BuiltinArenas, SHORT_PHASE_ARENA, SHORT_PHASE_METHOD, SHORT_PHASES,
 };

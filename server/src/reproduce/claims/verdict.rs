@@ -1,38 +1,10 @@
 //! From p to verdicts: Holm over all tests, then the rule for a test and for a claim.
 
-use serde::Serialize;
-
-use super::{Claim, Level, Test};
+use super::claim::{Claim, Level, Test, Verdict};
 use crate::statistics::holm;
 
 /// Level of significance after correction.
 pub const ALPHA: f64 = 0.05;
-
-/// What came of a claim or of one of its tests.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Verdict {
-    /// The test in the claim's direction is significant; for a claim, all of them.
-    Reproduced,
-    /// Neither direction is significant.
-    Inconclusive,
-    /// The opposite is significant; for a claim, in at least one of its tests.
-    Contradicted,
-    /// There are no runs that it could be tested on.
-    NotTested,
-}
-
-impl Verdict {
-    /// In words.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Reproduced => "reproduced",
-            Self::Inconclusive => "inconclusive",
-            Self::Contradicted => "contradicted",
-            Self::NotTested => "not tested",
-        }
-    }
-}
 
 /// Corrects every p of the table, one family for the claims' direction and one for the opposite,
 /// and decides. Tests without a p keep the verdict they came with. Returns the size of a family.
