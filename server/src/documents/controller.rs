@@ -9,8 +9,8 @@ use swarm::spec::{ControllerParameters, ControllerSpec, Method, Training};
 
 use super::arena::Arenas;
 use super::fields::{Errors, Object, kind};
+use super::limits::MAX_EPOCHS;
 use super::listing::shown_value;
-use super::resolve::MAX_EPOCHS;
 
 const DEFAULT_METHOD: Method = Method::EvIterC;
 const DEFAULT_TRAINING_ARENA: &str = "easy";

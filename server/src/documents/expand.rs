@@ -10,10 +10,11 @@ use super::arena::{ArenaSource, Arenas};
 use super::design::Design;
 use super::fields::{Errors, Object, did_you_mean, join, kind};
 use super::labels::labels;
+use super::limits::MAX_SEED;
 use super::matrix::{Axis, Target, axes, combination, place_of};
 use super::parts::{Part, parts};
 use super::placement::misfits;
-use super::resolve::{MAX_SEED, resolve_with};
+use super::resolve::resolve_with;
 use super::resolved::ResolvedRun;
 use super::templates::prepared;
 

@@ -10,7 +10,7 @@ use super::engines::{EnginePair, compare_engines};
 use super::plan::Settings;
 use super::results::Findings;
 
-pub use claim::{Claim, Level, Test, Verdict};
+pub use claim::{Claim, Test, Verdict};
 pub use verdict::ALPHA;
 
 /// `claims.json`.
