@@ -1,6 +1,5 @@
 //! The load: clients that mix reads and writes, listeners to events (some slow), and what they see.
 
-use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
@@ -14,6 +13,7 @@ use super::client::Client;
 use super::probe::{self, Health, Progress};
 use super::report::{self, Figures};
 use super::server::Server;
+use super::tally::Tally;
 
 /// Load on the service over HTTP, on this machine alone.
 #[derive(Clone, Debug, clap::Args)]
@@ -30,27 +30,6 @@ pub struct Options {
     /// Threads that step runs.
     #[arg(long, default_value_t = 2)]
     threads: usize,
-}
-
-/// What requests came to.
-#[derive(Debug, Default)]
-pub struct Tally {
-    /// Times of reads.
-    pub reads: Vec<Duration>,
-    /// Times of writes.
-    pub writes: Vec<Duration>,
-    /// Answers by status; 0 for none.
-    pub statuses: BTreeMap<u16, u64>,
-}
-
-impl Tally {
-    fn add(&mut self, other: Tally) {
-        self.reads.extend(other.reads);
-        self.writes.extend(other.writes);
-        for (status, count) in other.statuses {
-            *self.statuses.entry(status).or_default() += count;
-        }
-    }
 }
 
 /// Measures stepping alone, then under each number of clients, and prints what was found.

@@ -5,5 +5,6 @@ mod load;
 mod probe;
 mod report;
 mod server;
+mod tally;
 
 pub use load::{Options, run};

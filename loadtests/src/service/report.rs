@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use super::load::Tally;
 use super::probe::{Health, Progress};
+use super::tally::Tally;
 
 /// One measurement.
 #[derive(Debug)]

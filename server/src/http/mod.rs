@@ -1,6 +1,7 @@
 //! The HTTP service: routes over store and scheduler. Handlers only translate; whatever may block
 //! or compute runs on threads made for that.
 
+mod app;
 mod arenas;
 mod catalog;
 mod extract;
@@ -28,45 +29,11 @@ use axum::{Router, middleware};
 
 use crate::findings::Assembler;
 use crate::scheduler::Scheduler;
-use crate::store::{JobKey, JobView, RunView, Store};
+use crate::store::Store;
+use app::App;
 use guard::Gate;
 use refusal::Refusal;
 pub use serve::{ServeOptions, serve};
-
-/// What handlers share.
-#[derive(Clone)]
-struct App {
-    store: Arc<Store>,
-    scheduler: Arc<Scheduler>,
-    findings: Arc<Assembler>,
-}
-
-impl App {
-    /// Does what blocks on a thread made for that.
-    async fn blocking<T: Send + 'static>(
-        &self,
-        task: impl FnOnce(&App) -> Result<T, Refusal> + Send + 'static,
-    ) -> Result<T, Refusal> {
-        let app = self.clone();
-        tokio::task::spawn_blocking(move || task(&app))
-            .await
-            .unwrap_or_else(|error| Err(Refusal::internal(&error)))
-    }
-
-    /// The job of this key.
-    fn job(&self, seq: JobKey) -> Result<JobView, Refusal> {
-        self.store
-            .job(seq)?
-            .ok_or_else(|| Refusal::not_found(ProblemCode::JobNotFound, "job", &seq.to_string()))
-    }
-
-    /// The run of this id.
-    fn run(&self, id: &str) -> Result<RunView, Refusal> {
-        self.store
-            .run(id)?
-            .ok_or_else(|| Refusal::not_found(ProblemCode::RunNotFound, "run", id))
-    }
-}
 
 /// Every route, behind the gate.
 fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, token: Option<&str>) -> Router {

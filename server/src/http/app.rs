@@ -1,0 +1,45 @@
+//! What handlers share, and how they reach it without blocking.
+
+use std::sync::Arc;
+
+use api::ProblemCode;
+
+use super::refusal::Refusal;
+use crate::findings::Assembler;
+use crate::scheduler::Scheduler;
+use crate::store::{JobKey, JobView, RunView, Store};
+
+/// What handlers share.
+#[derive(Clone)]
+pub(super) struct App {
+    pub(super) store: Arc<Store>,
+    pub(super) scheduler: Arc<Scheduler>,
+    pub(super) findings: Arc<Assembler>,
+}
+
+impl App {
+    /// Does what blocks on a thread made for that.
+    pub(super) async fn blocking<T: Send + 'static>(
+        &self,
+        task: impl FnOnce(&App) -> Result<T, Refusal> + Send + 'static,
+    ) -> Result<T, Refusal> {
+        let app = self.clone();
+        tokio::task::spawn_blocking(move || task(&app))
+            .await
+            .unwrap_or_else(|error| Err(Refusal::internal(&error)))
+    }
+
+    /// The job of this key.
+    pub(super) fn job(&self, seq: JobKey) -> Result<JobView, Refusal> {
+        self.store
+            .job(seq)?
+            .ok_or_else(|| Refusal::not_found(ProblemCode::JobNotFound, "job", &seq.to_string()))
+    }
+
+    /// The run of this id.
+    pub(super) fn run(&self, id: &str) -> Result<RunView, Refusal> {
+        self.store
+            .run(id)?
+            .ok_or_else(|| Refusal::not_found(ProblemCode::RunNotFound, "run", id))
+    }
+}
