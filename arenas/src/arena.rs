@@ -163,7 +163,7 @@ impl Arena {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
 
     fn arena(name: &str, wall_x_m: &str) -> Arena {

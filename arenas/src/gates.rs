@@ -69,7 +69,7 @@ pub fn gates_at_the_limit(arena: &Arena, body_radius_m: f64, within_m: f64) -> V
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
 
     #[test]

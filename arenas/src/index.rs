@@ -242,7 +242,7 @@ impl WallIndex {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
     use crate::{ArenaFormat, GenerateFormat, GeneratorKind};
 

@@ -1,5 +1,5 @@
 //! Movable objects: geometry against sampled points, and what is refused.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use proptest::prelude::*;
 

@@ -1,5 +1,5 @@
 //! Against a flood fill on a fine grid, and against figures known by hand.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::time::Instant;
 

@@ -1,5 +1,10 @@
 //! Drawing of an arena for papers and the dashboard: walls, boundary, starts, name, scale bar.
 
+#![allow(
+    clippy::let_underscore_must_use,
+    reason = "writing to a string cannot fail"
+)]
+
 use std::fmt::Write;
 
 use nalgebra::Point2;
@@ -266,7 +271,7 @@ fn push(svg: &mut String, line: std::fmt::Arguments<'_>) {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
     use crate::builtin;
 

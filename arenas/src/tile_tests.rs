@@ -1,5 +1,5 @@
 //! Tests of tiled arenas.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use super::*;
 use crate::{builtin, reachable};

@@ -2,7 +2,7 @@
 //! objects once a second; a start for readers of your own. The run must have `"channels": true` in its spec.
 //!
 //! `cargo run --release --example watch_frames -- RUN_ID`
-#![allow(clippy::print_stdout)] // a command line program
+#![allow(clippy::print_stdout, reason = "a command line program")]
 
 use std::collections::VecDeque;
 use std::path::PathBuf;

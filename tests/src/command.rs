@@ -57,7 +57,10 @@ pub fn evswarm(arguments: &[&str], input: &str) -> Done {
     let root = tempfile::tempdir().unwrap();
     let mut child = start(arguments, root.path());
     let mut pipe = child.stdin.take().unwrap();
-    // A command that does not read its input may have ended.
+    #[allow(
+        clippy::let_underscore_must_use,
+        reason = "a command that does not read its input may have ended"
+    )]
     let _ = pipe.write_all(input.as_bytes());
     drop(pipe);
     finish(child)

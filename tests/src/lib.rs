@@ -2,7 +2,7 @@
 //! by its command line, with every wait bounded.
 //!
 //! Failures panic: that is how a test fails.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 pub mod command;
 pub mod files;

@@ -53,13 +53,16 @@ impl Server {
         // Reads on after the first line: a server must not meet a closed standard output.
         std::thread::spawn(move || {
             for line in output.lines().map_while(Result::ok) {
-                // The test may have all it wants to know.
+                #[allow(
+                    clippy::let_underscore_must_use,
+                    reason = "the test may have all it wants to know"
+                )]
                 let _ = sender.send(line);
             }
         });
         let line = receiver.recv_timeout(Duration::from_secs(30));
         let Ok(line) = line else {
-            let _ = child.kill();
+            drop(child.kill());
             panic!("no server: {}", fs::read_to_string(&log).unwrap());
         };
         let url = line.strip_prefix("evswarm listens on ").unwrap();
@@ -97,8 +100,8 @@ impl Deref for Server {
 }
 
 impl Drop for Server {
+    #[allow(clippy::let_underscore_must_use, reason = "it may have ended already")]
     fn drop(&mut self) {
-        // It may have ended already.
         let _ = self.child.kill();
         let _ = self.child.wait();
         let log = fs::read_to_string(&self.log).unwrap_or_default();

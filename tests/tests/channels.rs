@@ -1,5 +1,5 @@
 //! A program of its own reads a run's frames from shared memory, and the run is none the wiser.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::path::Path;
 use std::process::{Command, Stdio};

@@ -1,5 +1,5 @@
 //! `evswarm submit`, `status`, `cancel`, and the commands that need no server.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use api::ControllerListing;
 use serde_json::json;

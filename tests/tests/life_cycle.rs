@@ -1,6 +1,6 @@
 //! Jobs outlive the server: killed right after a job was accepted, or asked to stop; and jobs that
 //! nobody wants any more end.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use api::{Job, State};
 use serde_json::json;

@@ -1,5 +1,5 @@
 //! Movable objects through the real binary: the README's run, and its files.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use serde_json::Value;
 use tests::command::evswarm;

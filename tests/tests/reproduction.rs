@@ -1,5 +1,5 @@
 //! `evswarm reproduce`, killed half way and started again, writes the same report to the byte.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::fs;
 use std::path::Path;

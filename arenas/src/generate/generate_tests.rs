@@ -1,5 +1,5 @@
 //! Generated arenas: the same everywhere, connected, clear at the start.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use proptest::prelude::*;
 

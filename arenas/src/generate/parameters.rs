@@ -12,7 +12,7 @@ use crate::error::ArenaError;
 /// [`GeneratorKind::parameters`]; a number that the kind does not take is an error.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[allow(missing_docs)] // the table documents each
+#[allow(missing_docs, reason = "the table documents each")]
 pub struct GenerateFormat {
     pub kind: GeneratorKind,
     /// Every seed makes another arena; 1 if left out.

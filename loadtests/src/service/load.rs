@@ -145,7 +145,7 @@ async fn ask(address: SocketAddr, number: usize, mut stop: watch::Receiver<bool>
     let mut own: Option<String> = None;
     while !*stop.borrow_and_update() {
         turn += 1;
-        let writes = turn % 10 == 0;
+        let writes = turn.is_multiple_of(10);
         let answer = if writes {
             match own.take() {
                 Some(job) => client.post(&format!("/v1/jobs/{job}/cancel"), None).await,

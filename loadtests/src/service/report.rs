@@ -38,11 +38,14 @@ fn quantile_ms(times: &[Duration], share: f64) -> f64 {
         .map_or(f64::NAN, |time| time.as_secs_f64() * 1e3)
 }
 
+/// A row of the table: what it tells, and how.
+type Row<'a> = (&'a str, &'a dyn Fn(&Figures) -> String);
+
 /// The table, a line each.
 pub fn lines(figures: &[Figures]) -> Vec<String> {
     let quiet = figures.first();
     let rate = |f: &Figures| f.progress.rate();
-    let rows: [(&str, &dyn Fn(&Figures) -> String); 16] = [
+    let rows: [Row<'_>; 16] = [
         ("listeners to events", &|f| f.listeners.to_string()),
         ("requests/s", &|f| {
             let requests: u64 = f.tally.statuses.values().sum();

@@ -95,8 +95,8 @@ fn worker_ticks(task: &Path) -> Option<u64> {
 }
 
 impl Drop for Server {
+    #[allow(clippy::let_underscore_must_use, reason = "it may have ended already")]
     fn drop(&mut self) {
-        // It may have ended already.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

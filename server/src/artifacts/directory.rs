@@ -61,7 +61,7 @@ pub fn write_directory(
     sync(beside.path()).map_err(at(beside.path()))?;
     fs::rename(beside.path(), directory).map_err(at(directory))?;
     // It has moved: there is nothing left to remove at the old place.
-    let _ = beside.keep();
+    let _kept = beside.keep();
     sync(parent).map_err(at(parent))
 }
 
@@ -103,8 +103,10 @@ fn files(finished: &Finished<'_>, timing: &Timing) -> Vec<(&'static str, Vec<u8>
 }
 
 fn json(document: &impl Serialize) -> Vec<u8> {
-    // Structs of numbers and strings: JSON can hold all of them.
-    #[allow(clippy::expect_used)]
+    #[allow(
+        clippy::expect_used,
+        reason = "structs of numbers and strings: JSON can hold all of them"
+    )]
     let mut bytes = serde_json::to_vec_pretty(document).expect("a document is JSON");
     bytes.push(b'\n');
     bytes

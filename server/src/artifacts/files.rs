@@ -247,8 +247,10 @@ pub const RUN_FILES: &[RunFile] = &[
 
 /// A document as it is sent.
 fn compact(document: &impl Serialize) -> Vec<u8> {
-    // Structs of numbers and strings: JSON can hold all of them.
-    #[allow(clippy::expect_used)]
+    #[allow(
+        clippy::expect_used,
+        reason = "structs of numbers and strings: JSON can hold all of them"
+    )]
     serde_json::to_vec(document).expect("a document is JSON")
 }
 

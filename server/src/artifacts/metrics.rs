@@ -1,5 +1,10 @@
 //! Swarm metrics as JSON types and CSV text; formulas in `docs/metrics.md`.
 
+#![allow(
+    clippy::let_underscore_must_use,
+    reason = "writing to a string cannot fail"
+)]
+
 use std::fmt::Write;
 
 use api::{Metrics, MetricsRow, SCHEMA, SwarmMetrics};

@@ -1,5 +1,10 @@
 //! Movable objects over time as JSON types and CSV text.
 
+#![allow(
+    clippy::let_underscore_must_use,
+    reason = "writing to a string cannot fail"
+)]
+
 use std::fmt::Write;
 
 use api::{ObjectSample, ObjectTrack, ObjectTracks};

@@ -155,7 +155,7 @@ fn lines(items: &mut Vec<Item>, lines: Vec<[f32; 4]>, width_px: f32, colour: Col
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
     use crate::artifacts::coverage_svg;
     use crate::documents::testing::yard;

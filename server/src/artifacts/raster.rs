@@ -14,8 +14,10 @@ use super::scene::{Anchor, Item, Scene};
 
 /// Draws the scene on white.
 pub fn png(scene: &Scene) -> Vec<u8> {
-    // Sizes are small and never zero, the embedded font can be parsed, and encoding goes to memory.
-    #[allow(clippy::expect_used)]
+    #[allow(
+        clippy::expect_used,
+        reason = "sizes are small and never zero, the embedded font can be parsed, and encoding goes to memory"
+    )]
     let mut canvas = Canvas {
         pixmap: Pixmap::new(scene.width_px, scene.height_px).expect("the size is not zero"),
         regular: Face::parse(dejavu::sans::regular(), 0).expect("the embedded font is valid"),
@@ -44,8 +46,10 @@ pub fn png_of_rgb(rgb: &[u8], width: u32, height: u32) -> Vec<u8> {
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
-    // Writing to memory cannot fail, and the data has the announced size.
-    #[allow(clippy::expect_used)]
+    #[allow(
+        clippy::expect_used,
+        reason = "writing to memory cannot fail, and the data has the announced size"
+    )]
     encoder
         .write_header()
         .and_then(|mut writer| writer.write_image_data(rgb))

@@ -1,5 +1,5 @@
 //! Result directories, tables and pictures of small made-up runs.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::fs;
 

@@ -1,5 +1,10 @@
 //! A scene as SVG.
 
+#![allow(
+    clippy::let_underscore_must_use,
+    reason = "writing to a string cannot fail"
+)]
+
 use std::fmt::Write;
 
 use super::palette::{Colour, WHITE};

@@ -147,10 +147,18 @@ impl FramePublisher {
                     (Arc::clone(&slot), settings.root.clone(), run_id.to_owned());
                 move || match Ports::open(&root, &run_id, extent) {
                     Ok(ports) => {
+                        #[allow(
+                            clippy::let_underscore_must_use,
+                            reason = "whoever opens may have given up"
+                        )]
                         let _ = opened.send(Ok(()));
                         ports.serve(&slot);
                     }
                     Err(error) => {
+                        #[allow(
+                            clippy::let_underscore_must_use,
+                            reason = "whoever opens may have given up"
+                        )]
                         let _ = opened.send(Err(error));
                     }
                 }

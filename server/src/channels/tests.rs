@@ -1,5 +1,5 @@
 //! Channels against real shared memory: each test has a root path, and so a name space, of its own.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod objects;
 
@@ -59,9 +59,9 @@ impl Root {
 impl Drop for Root {
     fn drop(&mut self) {
         for path in self.shared_memory() {
-            let _ = std::fs::remove_file(path);
+            drop(std::fs::remove_file(path));
         }
-        let _ = std::fs::remove_dir_all(self.folder.path());
+        drop(std::fs::remove_dir_all(self.folder.path()));
     }
 }
 
@@ -357,7 +357,7 @@ fn reader_process() {
     );
     let started = Instant::now();
     while started.elapsed() < Duration::from_secs(60) {
-        let _ = reader.subscriber.receive();
+        drop(reader.subscriber.receive());
         std::thread::sleep(Duration::from_millis(1));
     }
 }

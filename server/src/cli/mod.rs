@@ -112,7 +112,10 @@ fn with_arguments(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let arguments = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments,
         Err(error) => {
-            // If the message cannot be shown there is nobody to tell.
+            #[allow(
+                clippy::let_underscore_must_use,
+                reason = "if the message cannot be shown there is nobody to tell"
+            )]
             let _ = error.print();
             return ExitCode::from(if error.use_stderr() { EXIT_FAILED } else { 0 });
         }
@@ -177,7 +180,10 @@ fn log_to_stderr() {
         .with_writer(std::io::stderr)
         .with_ansi(std::io::stderr().is_terminal())
         .with_target(false);
-    // A second call in one process finds the first one's subscriber, which is as good.
+    #[allow(
+        clippy::let_underscore_must_use,
+        reason = "a second call in one process finds the first one's subscriber, which is as good"
+    )]
     let _ = subscriber.try_init();
 }
 

@@ -23,6 +23,9 @@ pub fn say_bytes(bytes: &[u8]) -> Result<(), Failure> {
 
 /// Prints a line to standard error.
 pub fn complain(line: impl Display) {
-    // If standard error is closed there is nobody to tell.
+    #[allow(
+        clippy::let_underscore_must_use,
+        reason = "if standard error is closed there is nobody to tell"
+    )]
     let _ = writeln!(io::stderr().lock(), "{line}");
 }

@@ -112,8 +112,10 @@ fn seconds(seconds: f64) -> Duration {
 }
 
 fn style(unit: Option<&'static str>) -> ProgressStyle {
-    // The template is a constant: it cannot fail to parse.
-    #[allow(clippy::expect_used)]
+    #[allow(
+        clippy::expect_used,
+        reason = "the template is a constant: it cannot fail to parse"
+    )]
     ProgressStyle::with_template("{msg} [{bar:32}] {percent:>3} %{pace}, {left} left")
         .expect("the template is valid")
         .progress_chars("=> ")
@@ -121,7 +123,10 @@ fn style(unit: Option<&'static str>) -> ProgressStyle {
             "pace",
             move |state: &ProgressState, out: &mut dyn std::fmt::Write| {
                 if let Some(unit) = unit {
-                    // A bar that cannot be drawn is no reason to stop.
+                    #[allow(
+                        clippy::let_underscore_must_use,
+                        reason = "a bar that cannot be drawn is no reason to stop"
+                    )]
                     let _ = write!(out, ", {} {unit}/s", in_thousands(state.per_sec()));
                 }
             },
@@ -129,6 +134,10 @@ fn style(unit: Option<&'static str>) -> ProgressStyle {
         .with_key(
             "left",
             |state: &ProgressState, out: &mut dyn std::fmt::Write| {
+                #[allow(
+                    clippy::let_underscore_must_use,
+                    reason = "a bar that cannot be drawn is no reason to stop"
+                )]
                 let _ = write!(out, "{}", HumanDuration(state.eta()));
             },
         )

@@ -224,7 +224,7 @@ fn failure(store: &Store, job: JobKey) -> anyhow::Result<anyhow::Error> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use std::fs;
 
     use super::*;

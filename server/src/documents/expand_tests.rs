@@ -1,5 +1,5 @@
 //! Jobs as a user would write them: the runs that they make, and what is said of wrong ones.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use proptest::prelude::*;
 use serde_json::{Value, json};

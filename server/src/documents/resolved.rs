@@ -155,8 +155,10 @@ impl ResolvedRun {
 }
 
 fn text(spec: &api::RunSpec) -> String {
-    // Strings, finite numbers and maps with string keys: JSON can hold all of them.
-    #[allow(clippy::expect_used)]
+    #[allow(
+        clippy::expect_used,
+        reason = "strings, finite numbers and maps with string keys: JSON can hold all of them"
+    )]
     let mut text = serde_json::to_string_pretty(spec).expect("a spec is JSON");
     text.push('\n');
     text

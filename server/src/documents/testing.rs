@@ -1,5 +1,5 @@
 //! What the tests of specs and of jobs have in common.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use api::FieldError;
 use proptest::prelude::*;

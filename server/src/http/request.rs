@@ -138,7 +138,7 @@ pub fn number(uri: &Uri, name: &str, min: i64, max: i64) -> Result<Option<i64>, 
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
 
     #[test]

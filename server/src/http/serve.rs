@@ -109,10 +109,17 @@ async fn run(
     let server = axum::serve(listener, routes).with_graceful_shutdown(async move {
         stop.await;
         tracing::info!("stopping: runs are checkpointed");
-        // The receiver is gone only when the server is.
+        #[allow(
+            clippy::let_underscore_must_use,
+            reason = "the receiver is gone only when the server is"
+        )]
         let _ = stopping.send(());
     });
     let too_late = async {
+        #[allow(
+            clippy::let_underscore_must_use,
+            reason = "it only fails when the sender is gone, which is as good"
+        )]
         let _ = stopped.await;
         tokio::time::sleep(GRACE).await;
     };
@@ -139,6 +146,9 @@ fn stop_signal() -> anyhow::Result<impl Future<Output = ()> + Send + 'static> {
 
 /// Where the page is, on standard output: for people, and for programs that asked for port 0.
 fn announce(address: SocketAddr) {
-    // Without a standard output there is nobody to tell.
+    #[allow(
+        clippy::let_underscore_must_use,
+        reason = "without a standard output there is nobody to tell"
+    )]
     let _ = writeln!(std::io::stdout(), "evswarm listens on http://{address}/");
 }

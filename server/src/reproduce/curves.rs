@@ -1,5 +1,10 @@
 //! Curves of p1 by epoch as SVG: the mean over runs with its bootstrap band, a line a method.
 
+#![allow(
+    clippy::let_underscore_must_use,
+    reason = "writing to a string cannot fail"
+)]
+
 use std::fmt::Write;
 
 use super::document::escaped;

@@ -205,7 +205,7 @@ fn pair_row(pair: &EnginePair) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::super::results::testing::finding;
     use super::*;
 

@@ -69,7 +69,7 @@ fn ways_m(squares: &Squares, mask: &[bool], start: usize) -> Vec<Option<f64>> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
 
     #[test]

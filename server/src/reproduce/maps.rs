@@ -1,5 +1,10 @@
 //! Maps of an arena, one a method: how often one run entered each square, or how many runs did.
 
+#![allow(
+    clippy::let_underscore_must_use,
+    reason = "writing to a string cannot fail"
+)]
+
 use std::fmt::Write;
 
 use arenas::Arena;
@@ -179,7 +184,7 @@ fn shade(share: f64) -> [u8; 3] {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
 
     #[test]

@@ -181,7 +181,7 @@ fn label(run: &ResolvedRun) -> String {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
 
     fn settings(arenas: &[&str]) -> Settings {

@@ -29,8 +29,10 @@ pub type Figure = [u32; 3];
 
 /// The embedded figures.
 pub fn published() -> Published {
-    // The file is part of the program, and a test reads it.
-    #[allow(clippy::expect_used)]
+    #[allow(
+        clippy::expect_used,
+        reason = "the file is part of the program, and a test reads it"
+    )]
     serde_json::from_str(include_str!("published.json")).expect("published.json can be read")
 }
 

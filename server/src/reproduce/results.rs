@@ -1,5 +1,10 @@
 //! What the runs found, read from the store.
 
+#![allow(
+    clippy::let_underscore_must_use,
+    reason = "writing to a string cannot fail"
+)]
+
 use std::fmt::Write;
 
 use anyhow::{Context, bail};
@@ -221,7 +226,7 @@ pub(super) mod testing {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::testing::finding;
     use super::*;
 

@@ -1,5 +1,5 @@
 //! Runs on workers end as they do alone, whatever happens to them on the way.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::path::Path;
 use std::time::Instant;

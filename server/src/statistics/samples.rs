@@ -115,8 +115,10 @@ fn exact(x: &[f64], y: &[f64]) -> (f64, f64) {
 /// p by the normal approximation. (The crate's exact method gives 1 - p for samples of one size.)
 fn approximate(x: &[f64], y: &[f64], alternative: Alternative) -> f64 {
     let method = MannWhitneyUMethod::AsymptoticInclContinuityCorrection;
-    // No sample is empty and all values are finite.
-    #[allow(clippy::expect_used)]
+    #[allow(
+        clippy::expect_used,
+        reason = "no sample is empty and all values are finite"
+    )]
     let (_, p) = mannwhitneyu(x, y, method, alternative).expect("two samples of finite values");
     // All values equal: there is nothing to be surprised at.
     if p.is_nan() { 1.0 } else { p }
@@ -127,8 +129,7 @@ pub fn sign_test(successes: u64, trials: u64) -> f64 {
     let Some(fewer) = successes.checked_sub(1) else {
         return 1.0;
     };
-    // One half is a probability.
-    #[allow(clippy::expect_used)]
+    #[allow(clippy::expect_used, reason = "one half is a probability")]
     let distribution = Binomial::new(0.5, trials).expect("a valid probability");
     distribution.sf(fewer)
 }

@@ -173,7 +173,7 @@ fn read_array<const N: usize>(file: &mut File) -> Result<[u8; N], CheckpointErro
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
 
     fn checkpoint() -> Checkpoint {

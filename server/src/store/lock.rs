@@ -23,7 +23,10 @@ pub fn acquire(dir: &Path) -> Result<File, StoreError> {
         Ok(()) => {}
         Err(TryLockError::WouldBlock) => {
             let mut holder = String::new();
-            // The id is a help only: a lock file without one still means that the directory is held.
+            #[allow(
+                clippy::let_underscore_must_use,
+                reason = "the id is a help only: a lock file without one still means that the directory is held"
+            )]
             let _ = file.read_to_string(&mut holder);
             return Err(StoreError::InUse {
                 dir: dir.to_owned(),

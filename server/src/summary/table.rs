@@ -1,5 +1,10 @@
 //! A summary as CSV, and as a text in Markdown that reads well in a terminal too.
 
+#![allow(
+    clippy::let_underscore_must_use,
+    reason = "writing to a string cannot fail"
+)]
+
 use std::collections::BTreeMap;
 use std::fmt::Write;
 

@@ -1,5 +1,5 @@
 //! Tests of summaries against figures worked out by hand.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use api::{ClusterCounts, Fractions, SwarmMetrics};
 use serde_json::json;

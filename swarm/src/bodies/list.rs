@@ -108,7 +108,7 @@ impl<'de> Deserialize<'de> for Bodies {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
+#[allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::*;
     use crate::bodies::StartPose;

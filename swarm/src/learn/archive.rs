@@ -84,7 +84,7 @@ impl Archive {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
 
     fn held(archive: &Archive) -> Vec<f32> {

@@ -225,7 +225,7 @@ fn first_minimum(values: F8, block: U8) -> (u32, f32) {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
     use crate::random::Stream;
 

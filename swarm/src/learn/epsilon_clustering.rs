@@ -99,7 +99,7 @@ impl<const D: usize> EpsilonClustering<D> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
     use crate::random::Stream;
 

@@ -141,7 +141,7 @@ impl Evolution {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
 
     fn evolution(change: impl FnOnce(&mut ControllerParameters)) -> Evolution {

@@ -1,5 +1,5 @@
 //! The repository against lists and logarithms recomputed from scratch after every record.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::collections::VecDeque;
 

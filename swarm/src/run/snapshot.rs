@@ -104,7 +104,10 @@ fn save(run: &Run) -> Vec<u8> {
             .map(|v| (v.world.state(), v.world.engine()))
             .collect(),
     };
-    // Serializing plain data into memory has no way to fail: no sequence is of unknown length.
+    #[allow(
+        clippy::expect_used,
+        reason = "plain data has no sequence of unknown length, so this cannot fail"
+    )]
     let state = postcard::to_stdvec(&saved).expect("plain data serializes");
     let mut bytes = Vec::with_capacity(state.len() + 40);
     bytes.extend_from_slice(MAGIC);

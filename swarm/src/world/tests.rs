@@ -1,5 +1,5 @@
 //! Tests of a world: geometry, sensing, engines.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod objects;
 

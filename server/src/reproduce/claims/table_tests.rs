@@ -1,5 +1,5 @@
 //! Verdicts on made-up runs in which it is known what is so.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use super::super::judge;
 use super::*;
