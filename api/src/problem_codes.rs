@@ -106,6 +106,8 @@ problem_codes! {
         "Try again after the time in Retry-After."
     AnswerTooSlow 503 "answer-too-slow" "The answer took too long"
         "The work was given up; try again after the time in Retry-After."
+    NotReady 503 "not-ready" "The server is not ready"
+        "Its database does not answer, or not soon enough; try again after the time in Retry-After."
     ArenasFull 507 "arenas-full" "Too many arenas are stored"
         "Delete arenas that no run uses."
 }

@@ -3,7 +3,6 @@
 use api::{ArenaListing, FieldError, ProblemCode};
 use arenas::{Arena, SvgOptions, render_svg};
 use axum::body::Bytes;
-use axum::extract::rejection::BytesRejection;
 use axum::extract::{Path, State};
 use axum::http::header::{CONTENT_TYPE, LOCATION};
 use axum::http::{HeaderMap, StatusCode};
@@ -14,7 +13,7 @@ use serde_json::json;
 
 use super::App;
 use super::refusal::Refusal;
-use super::request::{json_body, parse};
+use super::request::{parse, said_to_be_json};
 use crate::documents::{ArenaSource, BuiltinArenas};
 use crate::scheduler::StoredArenas;
 use crate::store::{ArenaDeletion, StoredArena};
@@ -47,9 +46,9 @@ async fn list(State(app): State<App>) -> Result<Response, Refusal> {
 async fn create(
     State(app): State<App>,
     headers: HeaderMap,
-    body: Result<Bytes, BytesRejection>,
+    body: Bytes,
 ) -> Result<Response, Refusal> {
-    let body = json_body(&headers, body)?;
+    said_to_be_json(&headers)?;
     app.blocking(move |app| {
         parse(&body)?;
         let arena = Arena::from_json(&String::from_utf8_lossy(&body)).map_err(|errors| {

@@ -17,19 +17,21 @@ use axum::response::{IntoResponse, Response};
 use sha2::{Digest, Sha256};
 use tokio::sync::Semaphore;
 
+use super::body::Bodies;
 use super::refusal::Refusal;
 use super::{health, page, problems};
 
 /// Requests answered at a time.
 const MAX_CONCURRENT: usize = 128;
-/// Longest time for an answer, and for the body of a job.
-pub const TIMEOUT: Duration = Duration::from_secs(60);
+/// Longest time for an answer.
+const TIMEOUT: Duration = Duration::from_secs(60);
 /// The rules of one listening server.
 #[derive(Clone)]
 pub struct Gate {
     /// Digest of the token, so that comparing takes the same time for every wrong one.
     token: Option<[u8; 32]>,
     places: Arc<Semaphore>,
+    bodies: Bodies,
 }
 
 impl Gate {
@@ -38,6 +40,7 @@ impl Gate {
         Self {
             token: token.map(digest),
             places: Arc::new(Semaphore::new(MAX_CONCURRENT)),
+            bodies: Bodies::default(),
         }
     }
 
@@ -74,20 +77,9 @@ impl Gate {
 
 /// Lets a request through, or refuses it.
 pub async fn guard(State(gate): State<Gate>, request: Request, next: Next) -> Response {
-    let mut response = match gate.check(&request) {
-        Err(refusal) => refusal.into_response(),
-        Ok(()) => match gate.places.try_acquire() {
-            Err(_) => later(ProblemCode::Overloaded, "too many requests at a time").into_response(),
-            // Once its body is there a job is stored however long that takes, so its id is told.
-            Ok(_place) if is_submission(&request) => as_problem(next.run(request).await),
-            Ok(_place) => match tokio::time::timeout(TIMEOUT, next.run(request)).await {
-                Ok(response) => as_problem(response),
-                Err(_) => {
-                    later(ProblemCode::AnswerTooSlow, "the answer took too long").into_response()
-                }
-            },
-        },
-    };
+    let mut response = admitted(&gate, request, next)
+        .await
+        .unwrap_or_else(IntoResponse::into_response);
     let status = response.status();
     let headers = response.headers_mut();
     if status == StatusCode::UNAUTHORIZED {
@@ -98,6 +90,29 @@ pub async fn guard(State(gate): State<Gate>, request: Request, next: Next) -> Re
         HeaderValue::from_static("nosniff"),
     );
     response
+}
+
+/// The answer to a request that may ask: whether the server lives is told at once, everything else
+/// takes a place when its body is there.
+async fn admitted(gate: &Gate, request: Request, next: Next) -> Result<Response, Refusal> {
+    gate.check(&request)?;
+    if health::is_health(request.uri().path()) {
+        return Ok(next.run(request).await);
+    }
+    let (request, _room) = gate.bodies.read(request).await?;
+    let Ok(_place) = gate.places.try_acquire() else {
+        let detail = "too many requests at a time";
+        return Err(later(ProblemCode::Overloaded, detail));
+    };
+    if is_submission(&request) {
+        // A job is stored however long that takes, so its id is told.
+        return Ok(as_problem(next.run(request).await));
+    }
+    let answer = tokio::time::timeout(TIMEOUT, next.run(request)).await;
+    answer.map(as_problem).map_err(|_| {
+        let detail = "the answer took too long";
+        later(ProblemCode::AnswerTooSlow, detail)
+    })
 }
 
 /// Whether a route tells nothing of jobs, so that no token is needed.

@@ -2,17 +2,16 @@
 
 use api::{JobPage, ProblemCode, RunPage};
 use axum::body::Bytes;
-use axum::extract::{FromRequest, Request, State};
+use axum::extract::State;
 use axum::http::header::LOCATION;
-use axum::http::{StatusCode, Uri};
+use axum::http::{HeaderMap, StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use axum::{Json, Router};
 
 use super::extract::FoundJob;
-use super::guard::TIMEOUT;
 use super::refusal::Refusal;
-use super::request::{idempotency_key, json_body, page, parse};
+use super::request::{idempotency_key, page, parse, said_to_be_json};
 use super::{App, views};
 use crate::documents::{expand, run_count};
 use crate::scheduler::{StoredArenas, new_job};
@@ -30,13 +29,13 @@ pub fn routes() -> Router<App> {
 }
 
 /// `POST /v1/jobs`.
-async fn create(State(app): State<App>, request: Request) -> Result<Response, Refusal> {
-    let headers = request.headers().clone();
+async fn create(
+    State(app): State<App>,
+    headers: HeaderMap,
+    body: Bytes,
+) -> Result<Response, Refusal> {
+    said_to_be_json(&headers)?;
     let idempotency_key = idempotency_key(&headers)?;
-    let body = tokio::time::timeout(TIMEOUT, Bytes::from_request(request, &()))
-        .await
-        .map_err(|_| Refusal::new(ProblemCode::BodyTooSlow, "the body took too long"))?;
-    let body = json_body(&headers, body)?;
     app.blocking(move |app| {
         let arenas = StoredArenas::new(&app.store);
         let document = parse(&body)?;

@@ -3,13 +3,16 @@
 
 mod app;
 mod arenas;
+mod body;
 mod catalog;
+mod connections;
 mod extract;
 mod files;
 mod guard;
 mod health;
 mod job_findings;
 mod jobs;
+mod listen;
 mod page;
 mod problems;
 mod refusal;
@@ -61,7 +64,8 @@ fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, token: Option<&str>) -> 
             let detail = format!("{method} is not possible here");
             Refusal::new(ProblemCode::MethodNotAllowed, detail)
         })
-        .layer(DefaultBodyLimit::max(request::MAX_BODY_BYTES))
+        // Bodies come within the limits of the gate.
+        .layer(DefaultBodyLimit::disable())
         .layer(middleware::from_fn_with_state(
             Gate::new(token),
             guard::guard,

@@ -1,41 +1,27 @@
 //! What routes read from a request: JSON bodies, page queries, idempotency keys.
 
 use api::{FieldError, ProblemCode};
-use axum::body::Bytes;
-use axum::extract::rejection::BytesRejection;
 use axum::http::header::CONTENT_TYPE;
-use axum::http::{HeaderMap, StatusCode, Uri};
+use axum::http::{HeaderMap, Uri};
 use serde_json::Value;
 
 use super::refusal::Refusal;
 
-/// Largest body that is read.
-pub const MAX_BODY_BYTES: usize = 4 << 20;
 const MAX_KEY_BYTES: usize = 200;
 const DEFAULT_PAGE: u32 = 50;
 const MAX_PAGE: u32 = 200;
 
-/// The body of a request that must be JSON; not parsed yet, as a large one is work for another
-/// thread.
+/// That the body of a request is said to be JSON; it is not parsed yet, as a large one is work for
+/// another thread.
 ///
 /// # Errors
-/// 415 when it is said to be something else than JSON, 413 when it is too large, 400 when the
-/// connection broke off.
-pub fn json_body(
-    headers: &HeaderMap,
-    body: Result<Bytes, BytesRejection>,
-) -> Result<Bytes, Refusal> {
-    if !is_json(headers) {
-        let detail = "send JSON, with the header content-type: application/json";
-        return Err(Refusal::new(ProblemCode::NotSaidToBeJson, detail));
+/// 415 when it is said to be something else.
+pub fn said_to_be_json(headers: &HeaderMap) -> Result<(), Refusal> {
+    if is_json(headers) {
+        return Ok(());
     }
-    body.map_err(|rejection| match rejection.status() {
-        StatusCode::PAYLOAD_TOO_LARGE => Refusal::new(
-            ProblemCode::BodyTooLarge,
-            format!("a body has at most {MAX_BODY_BYTES} bytes"),
-        ),
-        _ => Refusal::new(ProblemCode::InvalidRequest, "the body broke off"),
-    })
+    let detail = "send JSON, with the header content-type: application/json";
+    Err(Refusal::new(ProblemCode::NotSaidToBeJson, detail))
 }
 
 /// The body as JSON.

@@ -11,6 +11,7 @@ use anyhow::{Context, bail};
 use tokio::net::TcpListener;
 use tokio::signal::unix::{SignalKind, signal};
 
+use super::listen::listen;
 use super::router;
 use crate::channels::ChannelSettings;
 use crate::scheduler::{Scheduler, SchedulerConfig, run_memory_bytes};
@@ -75,7 +76,7 @@ pub fn serve(options: ServeOptions) -> anyhow::Result<()> {
         let stop = stop_signal()?;
         let routes = router(store, Arc::clone(&scheduler), options.token.as_deref());
         announce(address);
-        run(listener, routes, stop).await?;
+        run(listener, routes, stop).await;
         tokio::task::spawn_blocking(move || scheduler.shut_down())
             .await
             .context("the workers did not end")
@@ -104,9 +105,9 @@ async fn run(
     listener: TcpListener,
     routes: axum::Router,
     stop: impl Future<Output = ()> + Send + 'static,
-) -> anyhow::Result<()> {
+) {
     let (stopping, stopped) = tokio::sync::oneshot::channel::<()>();
-    let server = axum::serve(listener, routes).with_graceful_shutdown(async move {
+    let server = listen(listener, routes, async move {
         stop.await;
         tracing::info!("stopping: runs are checkpointed");
         #[allow(
@@ -124,11 +125,8 @@ async fn run(
         tokio::time::sleep(GRACE).await;
     };
     tokio::select! {
-        served = server => served.context("the server failed"),
-        () = too_late => {
-            tracing::warn!("requests were still open");
-            Ok(())
-        }
+        () = server => {}
+        () = too_late => tracing::warn!("requests were still open"),
     }
 }
 

@@ -26,7 +26,7 @@ async fn wrong_bodies_are_told_apart() {
     );
     assert_problem(&service.send(post("text/plain"), "{}").await, 415);
     assert_problem(&service.send(request("POST", "/v1/jobs"), "{}").await, 415);
-    let large = vec![b' '; request::MAX_BODY_BYTES + 1];
+    let large = vec![b' '; body::MAX_BODY_BYTES + 1];
     assert_problem(&service.send(post("application/json"), large).await, 413);
     let deep = "[".repeat(100_000);
     assert_problem(&service.send(post("application/json"), deep).await, 400);
