@@ -79,3 +79,14 @@ pub struct TemplateListing {
     /// The job itself.
     pub job: Value,
 }
+
+/// Which program answers.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Version {
+    /// Of the program.
+    pub version: String,
+    /// Of its results: runs of the same spec have the same id only where this is the same.
+    pub results_version: u32,
+    /// Of the documents that it takes and gives.
+    pub schema: u32,
+}

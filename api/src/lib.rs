@@ -15,7 +15,7 @@ pub mod state;
 pub mod summary;
 
 pub use catalog::{
-    ArenaListing, ControllerListing, MethodListing, ParameterListing, TemplateListing,
+    ArenaListing, ControllerListing, MethodListing, ParameterListing, TemplateListing, Version,
 };
 pub use job::{Job, JobPage, RunCounts, RunPage, RunSummary};
 pub use objects::{ObjectSample, ObjectTrack, ObjectTracks};

@@ -77,7 +77,16 @@ pub const REFUSED: &[RefusedCase] = &[
         QueueFull,
     ),
     service("a body of more than 4 MiB", BodyTooLarge),
+    service("a body that takes too long to come", BodyTooSlow),
     service("a body that is not said to be JSON", NotSaidToBeJson),
+    service(
+        "bytes beyond the end of a file (`Range`)",
+        RangeNotSatisfiable,
+    ),
+    service(
+        "a query parameter that the route does not have, or one given twice",
+        InvalidQuery,
+    ),
     service("a page size or cursor that makes no sense", InvalidQuery),
     service(
         "an idempotency key that is empty or too long",

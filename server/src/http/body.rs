@@ -151,7 +151,7 @@ async fn drain(mut body: Body) {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
 
     async fn read(bodies: &Bodies, body: Body) -> Result<(Request, Room), u16> {

@@ -2,16 +2,17 @@
 
 use axum::Router;
 use axum::extract::State;
-use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE, ETAG, IF_NONE_MATCH};
-use axum::http::{HeaderMap, HeaderValue, StatusCode, Uri};
+use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE, ETAG};
+use axum::http::{HeaderMap, HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use serde::Serialize;
 
 use super::App;
+use super::conditional::is_known;
 use super::extract::FoundRun;
+use super::query::Query;
 use super::refusal::Refusal;
-use super::request::number;
 use crate::artifacts::{Maker, RUN_FILES, RunFile};
 use crate::store::RunView;
 
@@ -27,49 +28,39 @@ pub fn routes() -> Router<App> {
         Router::new(),
         |router, (route, file)| {
             let show =
-                move |State(app): State<App>, FoundRun(run), uri: Uri, headers: HeaderMap| {
-                    show(app, run, file, uri, headers)
+                move |State(app): State<App>, FoundRun(run), query: Query, headers: HeaderMap| {
+                    show(app, run, file, query, headers)
                 };
             router.route(&format!("/runs/{{id}}/{route}"), get(show))
         },
     )
 }
 
-/// Answers with a file as it is at this moment, or with 304 when the client has that.
+/// Answers with a file as it is at this moment; one that the client has is not made again.
 async fn show(
     app: App,
     run: RunView,
     file: &'static RunFile,
-    uri: Uri,
+    query: Query,
     headers: HeaderMap,
 ) -> Result<Response, Refusal> {
-    let points = match file.route {
-        Some("curve") => number(&uri, "points", 2, MAX_POINTS)?,
-        _ => None,
-    };
+    let points = query.number("points", 2, MAX_POINTS)?;
     let points = points.and_then(|points| usize::try_from(points).ok());
     app.blocking(move |app| {
-        let is_known = |tag: &str| is_known(&headers, tag);
-        let answer = app.findings.file(&run, file, points, is_known)?;
-        let mut caching = HeaderMap::new();
-        caching.insert(CACHE_CONTROL, HeaderValue::from_static("no-cache"));
-        let tag = HeaderValue::try_from(format!("\"{}\"", answer.tag));
-        caching.insert(ETAG, tag.map_err(|error| Refusal::internal(&error))?);
+        let header = |tag: &str| HeaderValue::try_from(format!("\"{tag}\""));
+        let has = |tag: &str| header(tag).is_ok_and(|tag| is_known(&headers, &tag));
+        let answer = app.findings.file(&run, file, points, has)?;
+        let tag = header(&answer.tag).map_err(|error| Refusal::internal(&error))?;
+        let caching = [
+            (ETAG, tag),
+            (CACHE_CONTROL, HeaderValue::from_static("no-cache")),
+        ];
         Ok(match answer.body {
             Some(body) => (caching, [(CONTENT_TYPE, file.media_type)], body).into_response(),
             None => (StatusCode::NOT_MODIFIED, caching).into_response(),
         })
     })
     .await
-}
-
-/// Whether the header `If-None-Match` names this tag, or every one.
-fn is_known(headers: &HeaderMap, tag: &str) -> bool {
-    let tags = headers.get_all(IF_NONE_MATCH).iter();
-    tags.filter_map(|tags| tags.to_str().ok())
-        .flat_map(|tags| tags.split(','))
-        .map(|known| known.trim().trim_start_matches("W/"))
-        .any(|known| known == "*" || known.trim_matches('"') == tag)
 }
 
 /// A file as the page links to it.
@@ -105,21 +96,6 @@ pub fn script() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn tags_are_found_in_lists_weak_or_not() {
-        let known = |value: &'static str| {
-            let headers = [(IF_NONE_MATCH, HeaderValue::from_static(value))];
-            is_known(&headers.into_iter().collect(), "a-1")
-        };
-        for value in ["\"a-1\"", "W/\"a-1\"", "\"b\", \"a-1\"", "*"] {
-            assert!(known(value), "{value}");
-        }
-        for value in ["", "\"a-2\"", "\"a\""] {
-            assert!(!known(value), "{value}");
-        }
-        assert!(!is_known(&HeaderMap::new(), "a-1"));
-    }
 
     #[test]
     fn the_page_links_to_files_but_not_to_what_it_shows_itself() {

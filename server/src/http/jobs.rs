@@ -4,18 +4,19 @@ use api::{JobPage, ProblemCode, RunPage};
 use axum::body::Bytes;
 use axum::extract::State;
 use axum::http::header::LOCATION;
-use axum::http::{HeaderMap, StatusCode, Uri};
+use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use axum::{Json, Router};
 
 use super::extract::FoundJob;
+use super::query::Query;
 use super::refusal::Refusal;
-use super::request::{idempotency_key, page, parse, said_to_be_json};
+use super::request::{idempotency_key, parse, said_to_be_json};
 use super::{App, views};
 use crate::documents::{expand, run_count};
 use crate::scheduler::{StoredArenas, new_job};
-use crate::store::{Created, Intent, JobKey, JobRequest, JobView};
+use crate::store::{Created, Intent, JobFilter, JobKey, JobRequest, JobView};
 
 pub fn routes() -> Router<App> {
     Router::new()
@@ -58,19 +59,23 @@ async fn create(
     .await
 }
 
-/// `GET /v1/jobs`: newest first.
-async fn list(State(app): State<App>, uri: Uri) -> Result<Json<JobPage>, Refusal> {
-    let page = page(&uri)?;
+/// `GET /v1/jobs`: newest first unless it says otherwise, of a state or with words in their name.
+async fn list(State(app): State<App>, query: Query) -> Result<Json<JobPage>, Refusal> {
+    let page = query.page()?;
+    let orders = [("newest", false), ("oldest", true)];
+    let filter = JobFilter {
+        state: query.state()?,
+        name_has: query.text("q")?,
+        oldest_first: query.one_of("order", &orders)?.unwrap_or(false),
+    };
     app.blocking(move |app| {
-        let mut jobs = app.store.jobs(page.cursor.map(JobKey), page.limit + 1)?;
-        let more = jobs.len() > page.limit as usize;
-        jobs.truncate(page.limit as usize);
-        let next = jobs.last().filter(|_| more).map(|job| job.seq.to_string());
-        let items = jobs
-            .iter()
-            .map(|job| views::job(job, &app.scheduler))
-            .collect();
-        Ok(Json(JobPage { items, next }))
+        let after = page.cursor.map(JobKey);
+        let found = app.store.list_jobs(&filter, after, page.limit)?;
+        let items = found.items.iter();
+        Ok(Json(JobPage {
+            items: items.map(|job| views::job(job, &app.scheduler)).collect(),
+            next: found.next.map(|next| next.to_string()),
+        }))
     })
     .await
 }
@@ -84,9 +89,9 @@ async fn show(State(app): State<App>, FoundJob(job): FoundJob) -> Json<api::Job>
 async fn runs(
     State(app): State<App>,
     FoundJob(job): FoundJob,
-    uri: Uri,
+    query: Query,
 ) -> Result<Json<RunPage>, Refusal> {
-    let page = page(&uri)?;
+    let page = query.page()?;
     app.blocking(move |app| {
         let from = page
             .cursor

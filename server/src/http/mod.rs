@@ -5,6 +5,8 @@ mod app;
 mod arenas;
 mod body;
 mod catalog;
+mod compression;
+mod conditional;
 mod connections;
 mod extract;
 mod files;
@@ -15,6 +17,7 @@ mod jobs;
 mod listen;
 mod page;
 mod problems;
+mod query;
 mod refusal;
 mod request;
 mod runs;
@@ -57,6 +60,7 @@ fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, token: Option<&str>) -> 
         .merge(health::routes())
         .merge(problems::routes())
         .nest("/v1", v1)
+        .route_layer(middleware::from_fn(query::check))
         .fallback(async |uri: Uri| {
             Refusal::not_found(ProblemCode::RouteNotFound, "page", uri.path())
         })
@@ -66,6 +70,9 @@ fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, token: Option<&str>) -> 
         })
         // Bodies come within the limits of the gate.
         .layer(DefaultBodyLimit::disable())
+        .layer(middleware::from_fn(conditional::conditional))
+        .layer(compression::layer())
+        .layer(middleware::map_response(compression::weaken_tag))
         .layer(middleware::from_fn_with_state(
             Gate::new(token),
             guard::guard,

@@ -1,6 +1,6 @@
 //! `/v1/runs/{id}`: show, spec, result, memory, channels, cancel.
 
-use api::{MemoryPlan, ProblemCode, RunResult, RunSummary};
+use api::{MemoryPlan, ProblemCode, RunPage, RunResult, RunSummary};
 use axum::extract::State;
 use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse, Response};
@@ -8,20 +8,43 @@ use axum::routing::{get, post};
 use axum::{Json, Router};
 
 use super::extract::FoundRun;
+use super::query::Query;
 use super::refusal::Refusal;
 use super::{App, views};
 use crate::artifacts::memory_plan;
 use crate::channels::{Extent, describe};
-use crate::store::RunState;
+use crate::store::{JobKey, RunFilter, RunKey, RunState};
 
 pub fn routes() -> Router<App> {
     Router::new()
+        .route("/runs", get(list))
         .route("/runs/{id}", get(show))
         .route("/runs/{id}/spec", get(spec))
         .route("/runs/{id}/result", get(result))
         .route("/runs/{id}/memory", get(memory))
         .route("/runs/{id}/channels", get(channels))
         .route("/runs/{id}/cancel", post(cancel))
+}
+
+/// `GET /v1/runs`: of all jobs, newest first, of a job, a state, a method or an arena.
+async fn list(State(app): State<App>, query: Query) -> Result<Json<RunPage>, Refusal> {
+    let page = query.page()?;
+    let filter = RunFilter {
+        job: query.number("job", 0, i64::MAX)?.map(JobKey),
+        state: query.state()?,
+        method: query.text("method")?,
+        arena: query.text("arena")?,
+    };
+    app.blocking(move |app| {
+        let before = page.cursor.map(RunKey);
+        let found = app.store.list_runs(&filter, before, page.limit)?;
+        let items = found.items.iter();
+        Ok(Json(RunPage {
+            items: items.map(|run| views::run(run, &app.scheduler)).collect(),
+            next: found.next.map(|next| next.0.to_string()),
+        }))
+    })
+    .await
 }
 
 /// `GET /v1/runs/{id}`.

@@ -149,7 +149,7 @@ pub struct RunningRun {
     pub step_cost: u32,
 }
 
-const COLUMNS: &str = "SELECT seq, name, intent, created_at FROM jobs";
+pub(super) const COLUMNS: &str = "SELECT seq, name, intent, created_at FROM jobs";
 
 impl Store {
     /// Stores a job and its runs as one, durably. Runs that are stored already are shared: done
@@ -388,13 +388,13 @@ fn add_run(connection: &Connection, run: &NewRun) -> rusqlite::Result<(RunKey, b
     Ok((seq, waits))
 }
 
-type Head = (JobKey, String, String, String);
+pub(super) type Head = (JobKey, String, String, String);
 
-fn head(row: &Row<'_>) -> rusqlite::Result<Head> {
+pub(super) fn head(row: &Row<'_>) -> rusqlite::Result<Head> {
     Ok((row.get(0)?, row.get(1)?, row.get(2)?, row.get(3)?))
 }
 
-fn view(connection: &Connection, head: Head) -> Result<JobView, StoreError> {
+pub(super) fn view(connection: &Connection, head: Head) -> Result<JobView, StoreError> {
     let (seq, name, intent, created_at) = head;
     let mut view = JobView {
         seq,

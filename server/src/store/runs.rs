@@ -67,7 +67,8 @@ impl RunView {
 /// Runs that are read at once.
 const PAGE: u32 = 1_000;
 
-const VIEW: &str = "SELECT runs.seq, id, job, ordinal, seed, arena, method, state, phase,
+pub(super) const VIEW: &str =
+    "SELECT runs.seq, id, job, ordinal, seed, arena, method, state, phase,
         epochs_done, robot_steps_done, reason, epochs_total, robot_steps_total, result, label
     FROM job_runs JOIN runs ON runs.seq = job_runs.run
     LEFT JOIN results ON results.run = runs.seq";
@@ -290,7 +291,7 @@ pub fn settle(connection: &Connection, job: JobKey) -> rusqlite::Result<Vec<Stop
         .collect()
 }
 
-fn view(row: &Row<'_>) -> Result<RunView, StoreError> {
+pub(super) fn view(row: &Row<'_>) -> Result<RunView, StoreError> {
     let state: String = row.get("state")?;
     let phase: Option<String> = row.get("phase")?;
     let epochs_done = row.get("epochs_done")?;

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod access;
+mod contract;
 mod damage;
 mod jobs;
 mod objects;

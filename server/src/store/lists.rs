@@ -1,0 +1,133 @@
+//! Lists over all jobs and over all runs, filtered, from a key on.
+
+use api::State;
+use rusqlite::params;
+
+use super::jobs::{self, JobView};
+use super::keys::{JobKey, RunKey};
+use super::runs::{self, RunView};
+use super::{Store, StoreError};
+
+/// Jobs that are looked at for one page, however few of them are wanted: each is a sum over runs.
+const LOOKED_AT: u32 = 500;
+
+/// Which jobs are wanted, and in what order.
+#[derive(Clone, Debug, Default)]
+pub struct JobFilter {
+    /// In this state.
+    pub state: Option<State>,
+    /// With these letters in their name, large or small.
+    pub name_has: Option<String>,
+    /// Oldest first, instead of newest first.
+    pub oldest_first: bool,
+}
+
+/// Which runs are wanted.
+#[derive(Clone, Debug, Default)]
+pub struct RunFilter {
+    /// Of this job.
+    pub job: Option<JobKey>,
+    /// In this state.
+    pub state: Option<State>,
+    /// Of this method.
+    pub method: Option<String>,
+    /// In the arena of this name.
+    pub arena: Option<String>,
+}
+
+/// A page of a list.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Page<T, K> {
+    /// What is wanted of it.
+    pub items: Vec<T>,
+    /// Where the next page begins; `None` when nothing is left.
+    pub next: Option<K>,
+}
+
+impl Store {
+    /// At most `limit` jobs after the one of this key. A page may hold fewer although there are
+    /// more: only so many are looked at.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn list_jobs(
+        &self,
+        filter: &JobFilter,
+        after: Option<JobKey>,
+        limit: u32,
+    ) -> Result<Page<JobView, JobKey>, StoreError> {
+        let connection = self.connection();
+        let (order, start) = match filter.oldest_first {
+            true => ("seq > ?1 AND {} ORDER BY seq", JobKey::default()),
+            false => ("seq < ?1 AND {} ORDER BY seq DESC", JobKey::MAX),
+        };
+        let named = "(?2 IS NULL OR instr(lower(name), lower(?2)) > 0)";
+        let heads = connection
+            .prepare_cached(&format!(
+                "{} WHERE {} LIMIT ?3",
+                jobs::COLUMNS,
+                order.replace("{}", named)
+            ))?
+            .query_map(
+                params![after.unwrap_or(start), filter.name_has, LOOKED_AT + 1],
+                jobs::head,
+            )?
+            .collect::<Result<Vec<_>, _>>()?;
+        let (mut items, mut last) = (Vec::new(), None);
+        for (place, head) in heads.into_iter().enumerate() {
+            if items.len() == limit as usize || place == LOOKED_AT as usize {
+                return Ok(Page { items, next: last });
+            }
+            let job = jobs::view(&connection, head)?;
+            last = Some(job.seq);
+            let state = job.intent.job_state(&job.counts);
+            if filter.state.is_none_or(|wanted| wanted == state) {
+                items.push(job);
+            }
+        }
+        Ok(Page { items, next: None })
+    }
+
+    /// At most `limit` runs before the one of this key, newest first, each in the first job that
+    /// has it, or in the one that is wanted.
+    ///
+    /// # Errors
+    /// When the database fails or holds what cannot be read.
+    pub fn list_runs(
+        &self,
+        filter: &RunFilter,
+        before: Option<RunKey>,
+        limit: u32,
+    ) -> Result<Page<RunView, RunKey>, StoreError> {
+        let mut items = self
+            .connection()
+            .prepare_cached(&format!(
+                "{} WHERE runs.seq < ?1
+                    AND (?2 IS NULL OR state = ?2) AND (?3 IS NULL OR method = ?3)
+                    AND (?4 IS NULL OR arena = ?4)
+                    AND (job, ordinal) = (SELECT job, ordinal FROM job_runs of
+                        WHERE of.run = runs.seq AND (?5 IS NULL OR of.job = ?5)
+                        ORDER BY job, ordinal LIMIT 1)
+                 ORDER BY runs.seq DESC LIMIT ?6",
+                runs::VIEW
+            ))?
+            .query_map(
+                params![
+                    before.map_or(i64::MAX, |before| before.0),
+                    filter.state.map(State::name),
+                    filter.method,
+                    filter.arena,
+                    filter.job,
+                    limit + 1
+                ],
+                |row| Ok(runs::view(row)),
+            )?
+            .collect::<Result<Vec<_>, _>>()?
+            .into_iter()
+            .collect::<Result<Vec<RunView>, _>>()?;
+        let more = items.len() > limit as usize;
+        items.truncate(limit as usize);
+        let next = items.last().filter(|_| more).map(|run| run.seq);
+        Ok(Page { items, next })
+    }
+}
