@@ -1,4 +1,4 @@
-# What there is to do: make run | test | test-python | lint | bench | figures
+# What there is to do: make run | test | test-python | lint | circles | bench | figures
 
 CARGO ?= cargo
 LISTEN ?= 127.0.0.1:8080
@@ -8,7 +8,7 @@ EVSWARM := $(TARGET)/release/evswarm
 CARGO_DENY := target/tools/bin/cargo-deny
 CARGO_DENY_VERSION := 0.20.2
 
-.PHONY: build run test test-rust test-python lint deny bench figures
+.PHONY: build run test test-rust test-python lint circles deny bench figures
 
 build:
 	$(CARGO) build --release --workspace --bins --examples
