@@ -6,6 +6,7 @@
 use nalgebra::Point2;
 
 use crate::arena::Arena;
+use crate::axis::GridAxis;
 use crate::segment::Segment;
 
 /// A wall as the step loop wants it: one end, the vector to the other, and 1 / length squared.
@@ -48,20 +49,6 @@ impl IndexedWall {
     }
 }
 
-/// The column (or row) of a grid that a coordinate lies in; 0 for what is not a number.
-///
-/// `last`, the highest, must be a whole number from 0 to 2^24.
-#[inline(always)]
-pub fn grid_coordinate(position_m: f32, inverse_cell_m: f32, last: f32) -> usize {
-    let place = position_m * inverse_cell_m;
-    let place = if place > 0.0 { place } else { 0.0 };
-    let place = if place < last { place } else { last };
-    debug_assert!((0.0..=16_777_216.0).contains(&place));
-    // SAFETY: 0 <= place <= last <= 2^24, which an i32 holds.
-    let whole: i32 = unsafe { place.to_int_unchecked() };
-    whole as usize
-}
-
 /// From which x to which the part of a wall goes that is within `far_m` of the line at `y_m`.
 fn x_near_row(wall: &Segment, y_m: f64, far_m: f64) -> [f64; 2] {
     let along = wall.b - wall.a;
@@ -87,9 +74,8 @@ struct Cell {
 /// The index of one arena for one body size and sensor reach.
 #[derive(Clone, Debug)]
 pub struct WallIndex {
-    inverse_cell_m: f32,
-    last_column: f32,
-    last_row: f32,
+    across: GridAxis,
+    up: GridAxis,
     columns: usize,
     cells: Vec<Cell>,
     listing: Vec<u32>,
@@ -192,9 +178,8 @@ impl WallIndex {
             });
         }
         Self {
-            inverse_cell_m: (1.0 / cell_m) as f32,
-            last_column: (columns - 1) as f32,
-            last_row: (rows - 1) as f32,
+            across: GridAxis::new(columns, (1.0 / cell_m) as f32),
+            up: GridAxis::new(rows, (1.0 / cell_m) as f32),
             columns,
             cells,
             listing,
@@ -204,9 +189,7 @@ impl WallIndex {
 
     #[inline(always)]
     fn cell(&self, x_m: f32, y_m: f32) -> Cell {
-        let column = grid_coordinate(x_m, self.inverse_cell_m, self.last_column);
-        let row = grid_coordinate(y_m, self.inverse_cell_m, self.last_row);
-        self.cells[row * self.columns + column]
+        self.cells[self.up.cell(y_m) * self.columns + self.across.cell(x_m)]
     }
 
     /// Numbers of the walls that a robot near (x, y) can touch.

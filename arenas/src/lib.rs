@@ -34,6 +34,7 @@
 //! ```
 
 pub mod arena;
+pub mod axis;
 mod builtin;
 mod error;
 mod format;

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result, anyhow};
 use arenas::Arena;
+use swarm::bodies::Reading;
 use swarm::controllers::{Brownian, Controller};
-use swarm::lanes::F8;
 use swarm::placement::place;
 use swarm::random::{Purpose, Site, draw, stream_key, unit};
 use swarm::robot::RobotModel;
@@ -50,14 +50,14 @@ struct Peer {
 
 impl Controller for Peer {
     #[inline(always)]
-    fn act(&mut self, step: u64, _raw: &F8) -> [f32; 2] {
+    fn act(&mut self, step: u64, _reading: &Reading) -> [f32; 2] {
         let bits = draw(self.key, step);
         let speed = |bits: u32| 1.4 * unit(bits) - 0.4;
         [speed(bits as u32), speed((bits >> 32) as u32)]
     }
 
     #[inline(always)]
-    fn learn(&mut self, _raw: &F8) {}
+    fn learn(&mut self, _reading: &Reading) {}
 }
 
 fn builtin(name: &str) -> Result<Arc<Arena>> {
@@ -226,7 +226,7 @@ fn run_spec(method: Method, arena: Arc<Arena>, robots: u64, engine: EngineKind) 
 /// A run stepped from the moment its exploration begins.
 fn exploring(spec: RunSpec) -> Result<Setup> {
     let robots = u64::from(spec.robots);
-    let mut run = Run::new(spec).map_err(refused)?;
+    let mut run = spec.validate().and_then(Run::new).map_err(refused)?;
     while run.progress().phase != Phase::Exploration {
         run.advance(1_000);
     }
@@ -251,7 +251,7 @@ fn evolving(arena: Arc<Arena>) -> Result<Setup> {
         arena,
         epochs: 1_000_000,
     });
-    let mut run = Run::new(spec).map_err(refused)?;
+    let mut run = spec.validate().and_then(Run::new).map_err(refused)?;
     run.advance(100_000);
     Ok(Setup {
         bytes_per_robot: Some(run.bytes()),

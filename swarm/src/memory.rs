@@ -7,11 +7,12 @@
 
 pub use crate::caps::MemoryPlan;
 use crate::controllers::{Babbler, Brownian, Codebook, Crawler, Explorer, Replayer, Watch};
+use crate::dimensions::SENSORI_MOTOR;
 use crate::learn::archive::Archive;
 use crate::learn::repository::Repository;
 use crate::sharing::told::told_transitions;
 use crate::spec::{ControllerParameters, Objective, RunSpec, Sharing};
-use crate::stages::{StageKind, arena_epochs, stages};
+use crate::stages::{Phase, stages};
 
 /// RAM of the e-puck (dsPIC30F6014A), bytes.
 pub const E_PUCK_BYTES: u64 = 8 * 1024;
@@ -93,19 +94,11 @@ impl MemoryPlan {
     }
 }
 
-impl RunSpec {
-    /// Robot-steps that a run of this spec takes, uncounted phases included.
-    pub fn robot_steps(&self) -> u64 {
-        let stages = MemoryPlan::of(self).map_or_else(|_| Vec::new(), |plan| stages(self, &plan));
-        arena_epochs(&stages) * u64::from(self.steps_per_epoch) * u64::from(self.robots)
-    }
-}
-
 /// Most bytes that a robot of the spec holds in any stage, or between two.
 fn most_bytes(plan: &MemoryPlan, spec: &RunSpec) -> u64 {
-    let kinds: Vec<StageKind> = stages(spec, plan).iter().map(|stage| stage.kind).collect();
-    let within = kinds.iter().map(|kind| stage_bytes(*kind, plan, spec));
-    let between = kinds.windows(2).map(|pair| {
+    let phases: Vec<Phase> = stages(spec, plan).iter().map(|stage| stage.phase).collect();
+    let within = phases.iter().map(|phase| phase_bytes(*phase, plan, spec));
+    let between = phases.windows(2).map(|pair| {
         if pair[0].watches() {
             clustering_bytes(pair[0], plan, spec)
         } else {
@@ -115,47 +108,45 @@ fn most_bytes(plan: &MemoryPlan, spec: &RunSpec) -> u64 {
     within.chain(between).max().unwrap_or(0)
 }
 
-fn stage_bytes(kind: StageKind, plan: &MemoryPlan, spec: &RunSpec) -> u64 {
+fn phase_bytes(phase: Phase, plan: &MemoryPlan, spec: &RunSpec) -> u64 {
+    let method = spec.controller.method;
     let hears = matches!(spec.sharing, Sharing::Radio(_));
-    let objective = spec
-        .controller
-        .method
-        .objective()
-        .unwrap_or(Objective::Curiosity);
-    match kind {
-        StageKind::Babble => Babbler::bytes_for(plan),
-        StageKind::Evolve => Crawler::bytes_for(objective, plan, true, hears),
-        StageKind::EvolveInTarget | StageKind::EvolveAndShow => {
+    let objective = method.objective().unwrap_or(Objective::Curiosity);
+    match phase {
+        Phase::Babbling => Babbler::bytes_for(plan),
+        Phase::Evolution => Crawler::bytes_for(objective, plan, true, hears),
+        Phase::Repository => Replayer::bytes_for(plan),
+        Phase::Exploration if method.is_evolved_baseline() => {
             Crawler::bytes_for(objective, plan, false, hears)
         }
-        StageKind::Replay => Replayer::bytes_for(plan),
-        StageKind::Explore if spec.controller.method.explores() => {
+        Phase::Exploration if method.explores() => {
             let told = match &spec.sharing {
                 Sharing::Radio(link) => told_transitions(link, plan).bytes(),
                 Sharing::None | Sharing::Arena => 0,
             };
             Explorer::bytes_for(plan) + told
         }
-        StageKind::Explore => size_of::<Brownian>() as u64,
+        Phase::Exploration => size_of::<Brownian>() as u64,
+        Phase::Done => 0,
     }
 }
 
-/// From a stage that watched to the next: the watch is taken out, k-means runs, the watch goes and
-/// the table comes, the learner of the next stage takes it over.
-fn clustering_bytes(from: StageKind, plan: &MemoryPlan, spec: &RunSpec) -> u64 {
+/// From a phase that watched to the next: the watch is taken out, k-means runs, the watch goes and
+/// the table comes, the learner of the next phase takes it over.
+fn clustering_bytes(from: Phase, plan: &MemoryPlan, spec: &RunSpec) -> u64 {
     let shares = spec.sharing != Sharing::None;
-    let (before, genomes) = if from == StageKind::Babble {
+    let (before, genomes) = if from == Phase::Babbling {
         (Babbler::bytes_for(plan), 0)
     } else {
         (
-            stage_bytes(from, plan, spec),
+            phase_bytes(from, plan, spec),
             Archive::heap_bytes_for(plan.genomes),
         )
     };
     let watched = size_of::<(Watch, Archive)>() as u64;
     let explorer = size_of::<(Explorer, Archive)>() as u64;
     let pooled = if shares {
-        u64::from(plan.sample) * size_of::<[f32; 10]>() as u64
+        u64::from(plan.sample) * size_of::<[f32; SENSORI_MOTOR]>() as u64
     } else {
         0
     };

@@ -60,7 +60,8 @@ fn without_a_budget_the_parameters_hold() {
     fittest.controller.parameters.replay_genomes = 20;
     let plan = MemoryPlan::of(&fittest).unwrap();
     assert_eq!(plan.genomes, 20);
-    let saved = spec.robot_steps() - fittest.robot_steps();
+    let steps = |spec: &RunSpec| spec.clone().validate().unwrap().robot_steps();
+    let saved = steps(&spec) - steps(&fittest);
     assert_eq!(saved, 180 * u64::from(spec.steps_per_epoch));
 }
 

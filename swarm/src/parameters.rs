@@ -137,7 +137,6 @@ impl Domain {
 }
 
 /// Makes an enum whose variants have names in a spec.
-#[macro_export]
 macro_rules! named_choice {
     ($(#[$meta:meta])* $name:ident { $($(#[$vmeta:meta])* $variant:ident = $text:literal),+ $(,)? }) => {
         $(#[$meta])*
@@ -169,7 +168,6 @@ macro_rules! named_choice {
 }
 
 /// Makes a parameter struct with its table: field, type, default, domain, unit, text, source.
-#[macro_export]
 macro_rules! parameter_table {
     ($(#[$meta:meta])* $name:ident {
         $($field:ident: $ty:ty = $default:expr, $domain:expr, $unit:literal, $about:literal, $source:literal;)+
@@ -212,3 +210,5 @@ macro_rules! parameter_table {
         }
     };
 }
+
+pub(crate) use {named_choice, parameter_table};

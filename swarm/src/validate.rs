@@ -1,13 +1,17 @@
 //! Checks that a run spec makes a robot, arenas and methods that go together.
 
+use std::ops::Deref;
+
 use arenas::Arena;
 
-use crate::memory::MemoryPlan;
+use crate::caps::MemoryPlan;
+use crate::memory::BudgetTooSmall;
 use crate::placement::enough_starts;
 use crate::spec::{
     EngineKind, FieldError, LEAST_BYTES_PER_STEP, MAX_EPOCHS, MAX_ROBOTS, MAX_STEPS_PER_EPOCH,
     MOST_BYTES_PER_STEP, Method, Placement, RunSpec, Sharing,
 };
+use crate::stages::{Stage, arena_epochs, stages};
 
 fn error(pointer: &str, message: impl Into<String>, allowed: impl Into<String>) -> FieldError {
     FieldError {
@@ -17,11 +21,70 @@ fn error(pointer: &str, message: impl Into<String>, allowed: impl Into<String>) 
     }
 }
 
+/// A spec that was checked, with what follows from it. Only [`RunSpec::validate`] makes one.
+#[derive(Clone, Debug)]
+pub struct ValidSpec {
+    spec: RunSpec,
+    memory: MemoryPlan,
+    stages: Vec<Stage>,
+}
+
+impl ValidSpec {
+    /// The same with another seed.
+    #[must_use]
+    pub fn with_seed(mut self, seed: u64) -> Self {
+        self.spec.seed = seed;
+        self
+    }
+
+    /// What each robot's learner may hold.
+    pub fn memory_plan(&self) -> &MemoryPlan {
+        &self.memory
+    }
+
+    /// Robot-steps that a run takes, uncounted phases included.
+    pub fn robot_steps(&self) -> u64 {
+        let spec = &self.spec;
+        arena_epochs(&self.stages) * u64::from(spec.steps_per_epoch) * u64::from(spec.robots)
+    }
+
+    pub(crate) fn stages(&self) -> &[Stage] {
+        &self.stages
+    }
+
+    pub(crate) fn into_parts(self) -> (RunSpec, MemoryPlan, Vec<Stage>) {
+        (self.spec, self.memory, self.stages)
+    }
+}
+
+impl Deref for ValidSpec {
+    type Target = RunSpec;
+
+    fn deref(&self) -> &RunSpec {
+        &self.spec
+    }
+}
+
 impl RunSpec {
-    /// Everything that is wrong with the spec; empty when it can run.
+    /// Checks that the spec can run, but for whether its robots fit into the arenas, which is for
+    /// [`crate::run::check_placement`] to say.
     ///
-    /// Whether `robots` fit into the arenas is for [`crate::run::check_placement`] to say.
-    pub fn validate(&self) -> Vec<FieldError> {
+    /// # Errors
+    /// Everything that is wrong with the spec.
+    pub fn validate(self) -> Result<ValidSpec, Vec<FieldError>> {
+        let memory = MemoryPlan::of(&self);
+        let errors = self.errors(memory.as_ref().err());
+        match memory {
+            Ok(memory) if errors.is_empty() => Ok(ValidSpec {
+                stages: stages(&self, &memory),
+                memory,
+                spec: self,
+            }),
+            _ => Err(errors),
+        }
+    }
+
+    fn errors(&self, budget: Option<&BudgetTooSmall>) -> Vec<FieldError> {
         let mut errors = Vec::new();
         let mut range = |pointer: &str, value: u32, max: u32| {
             if value == 0 || value > max {
@@ -55,6 +118,7 @@ impl RunSpec {
             ));
         }
         self.check_sharing(&mut errors);
+        errors.extend(budget.map(|too_small| self.budget_error(too_small)));
         self.check_robot(&mut errors);
         self.check_arena(&self.arena, "/arena", &mut errors);
         if let Some(training) = &self.controller.training {
@@ -98,17 +162,18 @@ impl RunSpec {
                 ));
             }
         }
-        if let Err(too_small) = MemoryPlan::of(self) {
-            errors.push(error(
-                "/memory_budget_bytes",
-                format!(
-                    "{} bytes are too few for `{}`",
-                    self.memory_budget_bytes.unwrap_or(0),
-                    method.name()
-                ),
-                format!("at least {} bytes, or null", too_small.smallest_bytes),
-            ));
-        }
+    }
+
+    fn budget_error(&self, too_small: &BudgetTooSmall) -> FieldError {
+        error(
+            "/memory_budget_bytes",
+            format!(
+                "{} bytes are too few for `{}`",
+                self.memory_budget_bytes.unwrap_or(0),
+                self.controller.method.name()
+            ),
+            format!("at least {} bytes, or null", too_small.smallest_bytes),
+        )
     }
 
     fn check_robot(&self, errors: &mut Vec<FieldError>) {

@@ -6,7 +6,7 @@ use std::cell::Cell;
 use std::sync::Arc;
 
 use arenas::{ArenaFormat, SquaresFormat};
-use swarm::memory::{E_PUCK_BYTES, E_PUCK2_BYTES, MemoryPlan};
+use swarm::memory::{E_PUCK_BYTES, E_PUCK2_BYTES};
 use swarm::robot::RobotModel;
 use swarm::run::{Phase, Run};
 use swarm::spec::{
@@ -81,7 +81,7 @@ fn spec(method: Method, robots: u32, memory_budget_bytes: Option<u64>) -> RunSpe
 /// then until exploration began, when rows of metrics come in.
 fn finished(spec: RunSpec) -> (Run, i64, i64, i64) {
     let before = HELD.get();
-    let mut run = Run::new(spec).unwrap();
+    let mut run = Run::new(spec.validate().unwrap()).unwrap();
     run.reachable();
     let at_first = HELD.get() - before;
     MOST.set(HELD.get());
@@ -136,10 +136,10 @@ fn no_robot_ever_holds_more_than_its_budget() {
                     sharing: sharing.clone(),
                     ..spec(method, 1, Some(budget))
                 };
-                if !spec.validate().is_empty() {
+                let Ok(valid) = spec.clone().validate() else {
                     continue;
-                }
-                let planned = MemoryPlan::of(&spec).unwrap().bytes;
+                };
+                let planned = valid.memory_plan().bytes;
                 let (run, _, _, most) = finished(spec);
                 // Who hears whom is the arena's to know.
                 let medium = match sharing {

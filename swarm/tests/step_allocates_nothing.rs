@@ -72,7 +72,7 @@ fn spec(method: Method, robots: u32) -> RunSpec {
 /// of metrics, evolution, clustering and the next stage's learners may take memory.
 fn allocations_in_steps(spec: RunSpec) -> u64 {
     let inside = u64::from(spec.steps_per_epoch) / 10 - 1;
-    let mut run = Run::new(spec).unwrap();
+    let mut run = Run::new(spec.validate().unwrap()).unwrap();
     let mut sum = 0;
     while run.progress().phase != Phase::Done {
         let before = ALLOCATIONS.get();

@@ -259,7 +259,7 @@ fn fill(frame: &mut Frame, bodies: &Bodies, objects: &Objects, info: &FrameInfo)
         y_m: body.y_m,
         heading_cos: body.cos,
         heading_sin: body.sin,
-        sensors: body.sensors,
+        sensors: body.reading.proximity,
         commands: body.command,
     };
     frame.robots.extend(bodies.iter().enumerate().map(robot));

@@ -141,7 +141,7 @@ fn bodies(step: u64, count: usize) -> Bodies {
             let x_m = robot as f32 + step as f32 * 1e-3;
             let mut body = Body::at_rest(&start);
             (body.x_m, body.y_m) = (x_m, x_m);
-            (body.sensors, body.command) = ([x_m; 8], [x_m, -x_m]);
+            (body.reading.proximity, body.command) = ([x_m; 8], [x_m, -x_m]);
             body
         })
         .collect::<Vec<_>>()

@@ -44,21 +44,22 @@ pub(super) fn resolve_with(
     arenas: &mut Arenas<'_>,
 ) -> Result<ResolvedRun, Vec<FieldError>> {
     let mut errors = Errors::default();
-    let resolved = read(spec, arenas, &mut errors);
-    match resolved {
-        Some(resolved) if errors.is_empty() => {
-            errors.extend(resolved.run_spec().validate().into_iter().map(field_error));
-            if errors.is_empty() {
-                Ok(resolved)
-            } else {
-                Err(errors.into_vec())
-            }
-        }
-        _ => Err(errors.into_vec()),
+    let read = read(spec, arenas, &mut errors);
+    match read {
+        Some((run, shown, channels)) if errors.is_empty() => match run.validate() {
+            Ok(run) => return Ok(ResolvedRun::new(run, shown, channels)),
+            Err(wrong) => errors.extend(wrong.into_iter().map(field_error)),
+        },
+        _ => {}
     }
+    Err(errors.into_vec())
 }
 
-fn read(spec: &Value, arenas: &mut Arenas<'_>, errors: &mut Errors) -> Option<ResolvedRun> {
+fn read(
+    spec: &Value,
+    arenas: &mut Arenas<'_>,
+    errors: &mut Errors,
+) -> Option<(RunSpec, api::RunSpec, bool)> {
     let object = Object::open(spec, "", FIELDS, errors)?;
     let empty = Value::Object(serde_json::Map::new());
     let section = |name| object.get(name).unwrap_or(&empty);
@@ -136,7 +137,7 @@ fn read(spec: &Value, arenas: &mut Arenas<'_>, errors: &mut Errors) -> Option<Re
         }),
         channels: Some(channels),
     };
-    Some(ResolvedRun::new(run, shown, channels))
+    Some((run, shown, channels))
 }
 
 /// Part of the contract, of which only a run without a recording is built.

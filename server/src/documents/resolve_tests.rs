@@ -21,7 +21,7 @@ fn an_empty_spec_is_the_default_experiment() {
     );
     assert_eq!(run.arena.name(), "maze");
     assert_eq!(run.controller.method, Method::EvIterC);
-    let training = run.controller.training.unwrap();
+    let training = run.controller.training.as_ref().unwrap();
     assert_eq!((training.arena.name(), training.epochs), ("easy", 200));
     assert_eq!(run.robot, swarm::robot::RobotModel::default());
 }

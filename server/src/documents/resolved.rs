@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use arenas::Arena;
 use sha2::{Digest, Sha256};
-use swarm::RESULTS_VERSION;
 use swarm::spec::{EngineKind, Method, RunSpec};
+use swarm::{RESULTS_VERSION, ValidSpec};
 
 /// A checked run spec with every default filled in. Cheap to clone: runs of a job that differ in
 /// their seed alone share everything else.
@@ -19,7 +19,7 @@ pub struct ResolvedRun {
 #[derive(Debug)]
 struct Common {
     digest: [u8; 32],
-    run: RunSpec,
+    run: ValidSpec,
     shown: api::RunSpec,
     /// The canonical text, but for the line with the seed.
     text: String,
@@ -27,7 +27,7 @@ struct Common {
 }
 
 impl ResolvedRun {
-    pub(super) fn new(run: RunSpec, mut shown: api::RunSpec, channels: bool) -> Self {
+    pub(super) fn new(run: ValidSpec, mut shown: api::RunSpec, channels: bool) -> Self {
         let seed = run.seed;
         shown.seed = None;
         let text = text(&shown);
@@ -79,11 +79,8 @@ impl ResolvedRun {
     }
 
     /// What the simulation runs.
-    pub fn run_spec(&self) -> RunSpec {
-        RunSpec {
-            seed: self.seed,
-            ..self.common.run.clone()
-        }
+    pub fn run_spec(&self) -> ValidSpec {
+        self.common.run.clone().with_seed(self.seed)
     }
 
     /// The target arena.

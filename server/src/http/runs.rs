@@ -80,10 +80,7 @@ async fn memory(
 ) -> Result<Json<MemoryPlan>, Refusal> {
     app.blocking(move |app| {
         let spec = app.findings.resolved(&run)?.run_spec();
-        let plan = swarm::memory::MemoryPlan::of(&spec);
-        // Specs whose budget has no plan are refused when they are posted.
-        let plan = plan.map_err(|error| Refusal::internal(&error))?;
-        Ok(Json(memory_plan(&plan)))
+        Ok(Json(memory_plan(spec.memory_plan())))
     })
     .await
 }

@@ -171,7 +171,11 @@ impl Plan {
 
 fn label(run: &ResolvedRun) -> String {
     let spec = run.run_spec();
-    let epochs = spec.controller.training.map(|training| training.epochs);
+    let epochs = spec
+        .controller
+        .training
+        .as_ref()
+        .map(|training| training.epochs);
     let short = epochs.filter(|epochs| SHORT_PHASES.contains(epochs));
     match short {
         Some(epochs) if run.method().name() == SHORT_PHASE_METHOD => short_phase_label(epochs),
@@ -218,7 +222,13 @@ mod tests {
             (last_short.arena.as_str(), last_short.method.as_str()),
             ("maze", "ev-iter-c:50")
         );
-        let training = last_short.spec.run_spec().controller.training.unwrap();
+        let training = last_short
+            .spec
+            .run_spec()
+            .controller
+            .training
+            .clone()
+            .unwrap();
         assert_eq!((training.arena.name(), training.epochs), ("easy", 50));
 
         let specs: Vec<RunSpec> = template.runs.iter().map(ResolvedRun::canonical).collect();

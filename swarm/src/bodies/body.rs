@@ -3,13 +3,15 @@
 use serde::{Deserialize, Serialize};
 
 use super::pose::StartPose;
+use super::reading::Reading;
+use crate::dimensions::WHEELS;
 
 /// A robot in its arena.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[repr(C, align(32))]
 pub struct Body {
-    /// Raw sensor values, 0 to 4095.
-    pub sensors: [f32; 8],
+    /// What its sensors read last.
+    pub reading: Reading,
     /// Centre, metres.
     pub x_m: f32,
     /// Centre, metres.
@@ -19,9 +21,9 @@ pub struct Body {
     /// Sine of the heading.
     pub sin: f32,
     /// Wheel speeds, left and right, rad/s.
-    pub wheels_rad_s: [f32; 2],
+    pub wheels_rad_s: [f32; WHEELS],
     /// Last wheel commands, left and right, -1 to 1.
-    pub command: [f32; 2],
+    pub command: [f32; WHEELS],
     /// Square that the centre is in.
     pub(crate) square: u32,
     /// Whether the last move met a wall or robot.
@@ -40,13 +42,13 @@ impl Body {
     /// A robot that has not moved.
     pub fn at_rest(start: &StartPose) -> Self {
         Self {
-            sensors: [0.0; 8],
+            reading: Reading::default(),
             x_m: start.x_m,
             y_m: start.y_m,
             cos: start.cos,
             sin: start.sin,
-            wheels_rad_s: [0.0; 2],
-            command: [0.0; 2],
+            wheels_rad_s: [0.0; WHEELS],
+            command: [0.0; WHEELS],
             square: 0,
             touched: false,
             from_m: [start.x_m, start.y_m],

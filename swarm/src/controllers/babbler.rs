@@ -6,8 +6,9 @@ use super::brownian::Brownian;
 use super::controller::Controller;
 use super::scaling::Scaling;
 use super::watch::Watch;
+use crate::bodies::Reading;
 use crate::caps::MemoryPlan;
-use crate::lanes::F8;
+use crate::dimensions::WHEELS;
 
 /// Draws commands afresh and watches what they bring.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -50,12 +51,12 @@ impl Babbler {
 
 impl Controller for Babbler {
     #[inline(always)]
-    fn act(&mut self, step: u64, raw: &F8) -> [f32; 2] {
+    fn act(&mut self, step: u64, reading: &Reading) -> [f32; WHEELS] {
         let command = self.brownian.command(step);
-        self.watch.observe(&self.scaling.apply(raw), command);
+        self.watch.observe(&self.scaling.apply(reading), command);
         command
     }
 
     #[inline(always)]
-    fn learn(&mut self, _raw: &F8) {}
+    fn learn(&mut self, _reading: &Reading) {}
 }

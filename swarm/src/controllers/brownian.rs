@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::controller::Controller;
-use crate::lanes::F8;
+use crate::bodies::Reading;
+use crate::dimensions::WHEELS;
 use crate::prefetch::prefetch;
 use crate::random::{draw, unit};
 
@@ -21,7 +22,7 @@ impl Brownian {
 
     /// The command of a step.
     #[inline(always)]
-    pub fn command(&self, step: u64) -> [f32; 2] {
+    pub fn command(&self, step: u64) -> [f32; WHEELS] {
         let bits = draw(self.key, step);
         [
             2.0 * unit(bits as u32) - 1.0,
@@ -32,12 +33,12 @@ impl Brownian {
 
 impl Controller for Brownian {
     #[inline(always)]
-    fn act(&mut self, step: u64, _raw: &F8) -> [f32; 2] {
+    fn act(&mut self, step: u64, _reading: &Reading) -> [f32; WHEELS] {
         self.command(step)
     }
 
     #[inline(always)]
-    fn learn(&mut self, _raw: &F8) {}
+    fn learn(&mut self, _reading: &Reading) {}
 
     #[inline(always)]
     fn expect_acting(&self) {

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::caps::MemoryPlan;
+use crate::dimensions::{PROXIMITY_SENSORS, SENSORI_MOTOR, WHEELS};
 use crate::learn::actuator_samples::ActuatorSamples;
 use crate::learn::centres::Centres;
 use crate::learn::kmeans::{self, Part, Points, kmeans};
@@ -13,9 +14,9 @@ use crate::spec::ControllerParameters;
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Codebook {
     /// Centres of the states.
-    pub states: Centres<8>,
+    pub states: Centres<PROXIMITY_SENSORS>,
     /// Centres of the actions.
-    pub actions: Centres<2>,
+    pub actions: Centres<WHEELS>,
     /// Commands of each action.
     pub samples: ActuatorSamples,
 }
@@ -25,13 +26,16 @@ impl Codebook {
     /// as phase 1 found them (section 4.3.2).
     pub fn new(
         p: &ControllerParameters,
-        vectors: &[[f32; 10]],
+        vectors: &[[f32; SENSORI_MOTOR]],
         (states, actions): (u32, u32),
         clustering: &mut Stream,
     ) -> Self {
-        let (sensors, commands) = (Part::<10, 0>(vectors), Part::<10, 8>(vectors));
-        let states = kmeans::<8>(sensors, states, p, clustering).centres;
-        let actions = kmeans::<2>(commands, actions, p, clustering).centres;
+        let (sensors, commands) = (
+            Part::<SENSORI_MOTOR, 0>(vectors),
+            Part::<SENSORI_MOTOR, PROXIMITY_SENSORS>(vectors),
+        );
+        let states = kmeans::<PROXIMITY_SENSORS>(sensors, states, p, clustering).centres;
+        let actions = kmeans::<WHEELS>(commands, actions, p, clustering).centres;
         let filling = Stream::new(clustering.bits());
         let mut samples = ActuatorSamples::new(&actions, p.actuator_sample, filling);
         for command in commands.each() {
@@ -46,16 +50,17 @@ impl Codebook {
 
     /// Most bytes that making one takes, itself included, the sample not.
     pub fn workspace_bytes(plan: &MemoryPlan) -> u64 {
-        let states = kmeans::workspace_bytes::<8>(plan.sample, plan.sensor_clusters);
-        let actions = Centres::<8>::heap_bytes_for(plan.sensor_clusters)
-            + kmeans::workspace_bytes::<2>(plan.sample, plan.actuator_clusters);
+        let states =
+            kmeans::workspace_bytes::<PROXIMITY_SENSORS>(plan.sample, plan.sensor_clusters);
+        let actions = Centres::<PROXIMITY_SENSORS>::heap_bytes_for(plan.sensor_clusters)
+            + kmeans::workspace_bytes::<WHEELS>(plan.sample, plan.actuator_clusters);
         states.max(actions).max(Self::heap_bytes_for(plan))
     }
 
     /// Most bytes held besides the value itself.
     pub fn heap_bytes_for(plan: &MemoryPlan) -> u64 {
-        Centres::<8>::heap_bytes_for(plan.sensor_clusters)
-            + Centres::<2>::heap_bytes_for(plan.actuator_clusters)
+        Centres::<PROXIMITY_SENSORS>::heap_bytes_for(plan.sensor_clusters)
+            + Centres::<WHEELS>::heap_bytes_for(plan.actuator_clusters)
             + ActuatorSamples::heap_bytes_for(plan.actuator_clusters, plan.actuator_sample)
     }
 

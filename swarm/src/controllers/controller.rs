@@ -1,18 +1,18 @@
 //! What steers robots: from sensors to wheel commands, and what is learnt from the next sensors.
 
-use crate::bodies::Bodies;
-use crate::lanes::F8;
+use crate::bodies::{Bodies, Reading};
+use crate::dimensions::WHEELS;
 
 /// One robot's control program, called once before and once after every move.
 ///
 /// Implementations are compiled into the step loop: they allocate nothing and mark both methods
 /// `#[inline(always)]`.
 pub trait Controller: Send {
-    /// Wheel commands, left and right in [-1, 1], at an arena's step. `raw` are the sensor values.
-    fn act(&mut self, step: u64, raw: &F8) -> [f32; 2];
+    /// Wheel commands, left and right in [-1, 1], at an arena's step. `reading` are the sensor values.
+    fn act(&mut self, step: u64, reading: &Reading) -> [f32; WHEELS];
 
     /// Sees the sensor values after the move.
-    fn learn(&mut self, raw: &F8);
+    fn learn(&mut self, reading: &Reading);
 
     /// Called a few robots before [`Controller::act`]: the place to ask for memory that it will need.
     #[inline(always)]
@@ -38,10 +38,10 @@ pub trait Controllers {
     }
 
     /// As [`Controller::act`].
-    fn act(&mut self, robot: usize, step: u64, raw: &F8) -> [f32; 2];
+    fn act(&mut self, robot: usize, step: u64, reading: &Reading) -> [f32; WHEELS];
 
     /// As [`Controller::learn`].
-    fn learn(&mut self, robot: usize, raw: &F8);
+    fn learn(&mut self, robot: usize, reading: &Reading);
 
     /// As [`Controller::expect_acting`].
     #[inline(always)]
@@ -63,13 +63,13 @@ impl<P: Controller> Controllers for [P] {
     }
 
     #[inline(always)]
-    fn act(&mut self, robot: usize, step: u64, raw: &F8) -> [f32; 2] {
-        self[robot].act(step, raw)
+    fn act(&mut self, robot: usize, step: u64, reading: &Reading) -> [f32; WHEELS] {
+        self[robot].act(step, reading)
     }
 
     #[inline(always)]
-    fn learn(&mut self, robot: usize, raw: &F8) {
-        self[robot].learn(raw);
+    fn learn(&mut self, robot: usize, reading: &Reading) {
+        self[robot].learn(reading);
     }
 
     #[inline(always)]

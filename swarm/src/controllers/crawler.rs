@@ -5,8 +5,9 @@ use serde::{Deserialize, Serialize};
 use super::controller::Controller;
 use super::scaling::{Scaling, sensori_motor};
 use super::watch::Watch;
+use crate::bodies::Reading;
 use crate::caps::MemoryPlan;
-use crate::lanes::F8;
+use crate::dimensions::{SENSORI_MOTOR, WHEELS};
 use crate::learn::archive::Archive;
 use crate::learn::epsilon_clustering::EpsilonClustering;
 use crate::learn::evolution::Evolution;
@@ -24,9 +25,9 @@ pub struct Crawler {
     perceptron: Perceptron,
     evolution: Evolution,
     /// Clusters that sensori-motor objectives are computed over.
-    sensori_motor: EpsilonClustering<10>,
+    sensori_motor: EpsilonClustering<SENSORI_MOTOR>,
     /// Clusters that actuator objectives are computed over, where `watch` has none.
-    actuators: EpsilonClustering<2>,
+    actuators: EpsilonClustering<WHEELS>,
     /// Present where a phase 2 follows.
     watch: Option<Watch>,
     /// Genomes evaluated, where a phase 2 follows.
@@ -170,6 +171,11 @@ impl Crawler {
             + self.watch.as_ref().map_or(0, Watch::saturated)
     }
 
+    /// Whether it keeps what a phase 2 needs.
+    pub fn watches(&self) -> bool {
+        self.watch.is_some() && self.archive.is_some()
+    }
+
     /// What phase 2 needs, where one follows: the watch and the archive of genomes.
     pub fn finish(self) -> Option<(Watch, Archive)> {
         self.watch.zip(self.archive)
@@ -181,8 +187,8 @@ impl Crawler {
         let watched = Watch::heap_bytes_for(plan) + Archive::heap_bytes_for(plan.genomes);
         size_of::<Self>() as u64
             + Evolution::HEAP_BYTES
-            + EpsilonClustering::<10>::heap_bytes_for(sensori_motor)
-            + EpsilonClustering::<2>::heap_bytes_for(actuators)
+            + EpsilonClustering::<SENSORI_MOTOR>::heap_bytes_for(sensori_motor)
+            + EpsilonClustering::<WHEELS>::heap_bytes_for(actuators)
             + if watching { watched } else { 0 }
             + if hears {
                 (WEIGHTS * size_of::<f32>()) as u64
@@ -205,8 +211,8 @@ impl Crawler {
 
 impl Controller for Crawler {
     #[inline(always)]
-    fn act(&mut self, _step: u64, raw: &F8) -> [f32; 2] {
-        let sensors = self.scaling.apply(raw);
+    fn act(&mut self, _step: u64, reading: &Reading) -> [f32; WHEELS] {
+        let sensors = self.scaling.apply(reading);
         let command = self.perceptron.act(&sensors);
         if !self.showing {
             if self.objective.over_sensori_motor() {
@@ -225,5 +231,5 @@ impl Controller for Crawler {
     }
 
     #[inline(always)]
-    fn learn(&mut self, _raw: &F8) {}
+    fn learn(&mut self, _reading: &Reading) {}
 }

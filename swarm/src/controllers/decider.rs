@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::codebook::Codebook;
 use super::scaling::Scaling;
-use crate::lanes::F8;
+use crate::bodies::Reading;
+use crate::dimensions::WHEELS;
 use crate::learn::repository::Repository;
 use crate::learn::transition::Transition;
 use crate::random::{below, draw};
@@ -23,7 +24,7 @@ pub struct Decider {
     last: Transition,
     state: u32,
     pub(super) action: u32,
-    command: [f32; 2],
+    command: [f32; WHEELS],
     /// Steps for which the command is still held.
     held_steps: u32,
 }
@@ -40,20 +41,25 @@ impl Decider {
             last: Transition::default(),
             state: 0,
             action: 0,
-            command: [0.0; 2],
+            command: [0.0; WHEELS],
             held_steps: 0,
         }
     }
 
     /// Starts a trajectory from the sensors read at its beginning.
-    pub fn begin_trajectory(&mut self, codebook: &Codebook, raw: &F8) {
+    pub fn begin_trajectory(&mut self, codebook: &Codebook, reading: &Reading) {
         self.held_steps = 0;
-        self.state = codebook.states.nearest(&self.scaling.apply(raw)).0;
+        self.state = codebook.states.nearest(&self.scaling.apply(reading)).0;
     }
 
     /// The next command, by Alg. 5.
     #[inline(always)]
-    pub fn act(&mut self, codebook: &Codebook, repository: &Repository, step: u64) -> [f32; 2] {
+    pub fn act(
+        &mut self,
+        codebook: &Codebook,
+        repository: &Repository,
+        step: u64,
+    ) -> [f32; WHEELS] {
         if self.held_steps > 0 {
             self.held_steps -= 1;
             return self.command;
@@ -93,8 +99,8 @@ impl Decider {
 
     /// Where the last action led.
     #[inline(always)]
-    pub fn arrive(&mut self, codebook: &Codebook, raw: &F8) -> Transition {
-        let next = codebook.states.nearest(&self.scaling.apply(raw)).0;
+    pub fn arrive(&mut self, codebook: &Codebook, reading: &Reading) -> Transition {
+        let next = codebook.states.nearest(&self.scaling.apply(reading)).0;
         self.last = Transition {
             state: self.state,
             action: self.action,

@@ -5,8 +5,9 @@ use serde::{Deserialize, Serialize};
 use super::codebook::Codebook;
 use super::controller::Controller;
 use super::decider::Decider;
+use crate::bodies::Reading;
 use crate::caps::MemoryPlan;
-use crate::lanes::F8;
+use crate::dimensions::WHEELS;
 use crate::learn::repository::Repository;
 use crate::learn::transition::Transition;
 use crate::spec::ControllerParameters;
@@ -37,20 +38,20 @@ impl Explorer {
     }
 
     /// Starts a trajectory from the sensors read at its beginning.
-    pub fn begin_trajectory(&mut self, raw: &F8) {
-        self.decider.begin_trajectory(&self.codebook, raw);
+    pub fn begin_trajectory(&mut self, reading: &Reading) {
+        self.decider.begin_trajectory(&self.codebook, reading);
     }
 
     /// Notes a command that something else gave (phase 2).
     #[inline(always)]
-    pub(super) fn watch_action(&mut self, command: [f32; 2]) {
+    pub(super) fn watch_action(&mut self, command: [f32; WHEELS]) {
         self.decider.action = self.codebook.actions.nearest(&command).0;
     }
 
     /// Records where the last action led.
     #[inline(always)]
-    pub(super) fn arrive(&mut self, raw: &F8) {
-        let transition = self.decider.arrive(&self.codebook, raw);
+    pub(super) fn arrive(&mut self, reading: &Reading) {
+        let transition = self.decider.arrive(&self.codebook, reading);
         self.record(transition);
     }
 
@@ -106,13 +107,13 @@ impl Explorer {
 
 impl Controller for Explorer {
     #[inline(always)]
-    fn act(&mut self, step: u64, _raw: &F8) -> [f32; 2] {
+    fn act(&mut self, step: u64, _reading: &Reading) -> [f32; WHEELS] {
         self.decider.act(&self.codebook, &self.repository, step)
     }
 
     #[inline(always)]
-    fn learn(&mut self, raw: &F8) {
-        self.arrive(raw);
+    fn learn(&mut self, reading: &Reading) {
+        self.arrive(reading);
     }
 
     #[inline(always)]
@@ -164,7 +165,7 @@ mod tests {
             }
         }
         let act = |step| {
-            explorer.act(step, &F8::splat(0.0));
+            explorer.act(step, &Reading::default());
             explorer.decider().action()
         };
         (0..200).map(act).collect()

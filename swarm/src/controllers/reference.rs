@@ -4,7 +4,8 @@
 use super::codebook::Codebook;
 use super::controller::Controller;
 use super::scaling::Scaling;
-use crate::lanes::F8;
+use crate::bodies::Reading;
+use crate::dimensions::WHEELS;
 use crate::learn::accuracy::TransitionCounts;
 use crate::random::{below, draw};
 
@@ -32,8 +33,8 @@ impl<'a> Reference<'a> {
     }
 
     /// Starts a trajectory from the sensors read at its beginning.
-    pub fn begin_trajectory(&mut self, raw: &F8) {
-        self.state = self.state_of(raw);
+    pub fn begin_trajectory(&mut self, reading: &Reading) {
+        self.state = self.state_of(reading);
     }
 
     /// What it has counted.
@@ -42,22 +43,22 @@ impl<'a> Reference<'a> {
     }
 
     #[inline(always)]
-    fn state_of(&self, raw: &F8) -> u32 {
-        self.codebook.states.nearest(&self.scaling.apply(raw)).0
+    fn state_of(&self, reading: &Reading) -> u32 {
+        self.codebook.states.nearest(&self.scaling.apply(reading)).0
     }
 }
 
 impl Controller for Reference<'_> {
     #[inline(always)]
-    fn act(&mut self, step: u64, _raw: &F8) -> [f32; 2] {
+    fn act(&mut self, step: u64, _reading: &Reading) -> [f32; WHEELS] {
         let bits = draw(self.key, step);
         self.action = below(bits as u32, self.codebook.actions.len());
         self.codebook.samples.draw(self.action, (bits >> 32) as u32)
     }
 
     #[inline(always)]
-    fn learn(&mut self, raw: &F8) {
-        let next = self.state_of(raw);
+    fn learn(&mut self, reading: &Reading) {
+        let next = self.state_of(reading);
         self.counts.record(self.state, self.action, next);
         self.state = next;
     }

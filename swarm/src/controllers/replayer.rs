@@ -8,8 +8,9 @@ use serde::{Deserialize, Serialize};
 use super::controller::Controller;
 use super::explorer::Explorer;
 use super::scaling::Scaling;
+use crate::bodies::Reading;
 use crate::caps::MemoryPlan;
-use crate::lanes::F8;
+use crate::dimensions::WHEELS;
 use crate::learn::archive::Archive;
 use crate::learn::perceptron::Perceptron;
 
@@ -48,8 +49,8 @@ impl Replayer {
     }
 
     /// Starts a trajectory from the sensors read at its beginning.
-    pub fn begin_trajectory(&mut self, raw: &F8) {
-        self.explorer.begin_trajectory(raw);
+    pub fn begin_trajectory(&mut self, reading: &Reading) {
+        self.explorer.begin_trajectory(reading);
     }
 
     /// Ends a trajectory and takes the next genome.
@@ -83,14 +84,14 @@ impl Replayer {
 
 impl Controller for Replayer {
     #[inline(always)]
-    fn act(&mut self, _step: u64, raw: &F8) -> [f32; 2] {
-        let command = self.perceptron.act(&self.scaling.apply(raw));
+    fn act(&mut self, _step: u64, reading: &Reading) -> [f32; WHEELS] {
+        let command = self.perceptron.act(&self.scaling.apply(reading));
         self.explorer.watch_action(command);
         command
     }
 
     #[inline(always)]
-    fn learn(&mut self, raw: &F8) {
-        self.explorer.arrive(raw);
+    fn learn(&mut self, reading: &Reading) {
+        self.explorer.arrive(reading);
     }
 }

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::bodies::Reading;
+use crate::dimensions::{PROXIMITY_SENSORS, SENSORI_MOTOR, WHEELS};
 use crate::lanes::F8;
 use crate::spec::SensorScale;
 
@@ -27,16 +29,19 @@ impl Scaling {
         }
     }
 
-    /// The sensor vector of raw values.
+    /// The sensor vector of a reading: its proximity values.
     #[inline(always)]
-    pub fn apply(self, raw: &F8) -> [f32; 8] {
-        (*raw * F8::splat(self.factor) + F8::splat(self.offset)).0
+    pub fn apply(self, reading: &Reading) -> [f32; PROXIMITY_SENSORS] {
+        (F8(reading.proximity) * F8::splat(self.factor) + F8::splat(self.offset)).0
     }
 }
 
 /// The sensori-motor vector of a sensor vector and the command given in answer to it.
 #[inline(always)]
-pub fn sensori_motor(sensors: &[f32; 8], command: [f32; 2]) -> [f32; 10] {
+pub fn sensori_motor(
+    sensors: &[f32; PROXIMITY_SENSORS],
+    command: [f32; WHEELS],
+) -> [f32; SENSORI_MOTOR] {
     let s = sensors;
     [
         s[0], s[1], s[2], s[3], s[4], s[5], s[6], s[7], command[0], command[1],

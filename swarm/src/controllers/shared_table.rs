@@ -6,8 +6,8 @@ use super::codebook::Codebook;
 use super::controller::Controllers;
 use super::decider::Decider;
 use super::explorer::Explorer;
-use crate::bodies::Bodies;
-use crate::lanes::F8;
+use crate::bodies::{Bodies, Reading};
+use crate::dimensions::WHEELS;
 use crate::learn::repository::Repository;
 use crate::learn::transition::Transition;
 use crate::spec::ControllerParameters;
@@ -29,8 +29,11 @@ impl SharedTableExplorers {
     ///
     /// Their tables become one: of each list the oldest entries of all robots go in first, the
     /// newest last, so that every robot's newest are kept as far as `lambda` allows.
-    pub fn new(p: &ControllerParameters, robots: Vec<Explorer>) -> Option<Self> {
-        let codebook = robots.first()?.codebook().clone();
+    ///
+    /// # Panics
+    /// Without robots: a valid spec has at least one.
+    pub fn new(p: &ControllerParameters, robots: Vec<Explorer>) -> Self {
+        let codebook = robots[0].codebook().clone();
         let mut repository = Repository::new(codebook.states.len(), codebook.actions.len(), p);
         for i in 0..repository.states() {
             for j in 0..repository.actions() {
@@ -41,18 +44,18 @@ impl SharedTableExplorers {
         let (deciders, clusters_saturated) = parts
             .map(|(decider, _, _, saturated)| (decider, saturated))
             .unzip();
-        Some(Self {
+        Self {
             deciders,
             codebook,
             repository,
             clusters_saturated,
-        })
+        }
     }
 
     /// Starts a trajectory from the sensors read at its beginning.
     pub fn begin_trajectory(&mut self, bodies: &Bodies) {
         for (decider, body) in self.deciders.iter_mut().zip(bodies.iter()) {
-            decider.begin_trajectory(&self.codebook, &F8(body.sensors));
+            decider.begin_trajectory(&self.codebook, &body.reading);
         }
     }
 
@@ -115,13 +118,13 @@ impl Controllers for SharedTableExplorers {
     }
 
     #[inline(always)]
-    fn act(&mut self, robot: usize, step: u64, _raw: &F8) -> [f32; 2] {
+    fn act(&mut self, robot: usize, step: u64, _reading: &Reading) -> [f32; WHEELS] {
         self.deciders[robot].act(&self.codebook, &self.repository, step)
     }
 
     #[inline(always)]
-    fn learn(&mut self, robot: usize, raw: &F8) {
-        self.deciders[robot].arrive(&self.codebook, raw);
+    fn learn(&mut self, robot: usize, reading: &Reading) {
+        self.deciders[robot].arrive(&self.codebook, reading);
     }
 
     fn end_step(&mut self, _step: u64, _bodies: &Bodies) {

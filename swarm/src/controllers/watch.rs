@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::scaling::sensori_motor;
 use crate::caps::MemoryPlan;
+use crate::dimensions::{PROXIMITY_SENSORS, SENSORI_MOTOR, WHEELS};
 use crate::learn::epsilon_clustering::EpsilonClustering;
 use crate::learn::reservoir::Reservoir;
 use crate::random::Stream;
@@ -13,11 +14,11 @@ use crate::spec::ControllerParameters;
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Watch {
     /// Clusters of sensor vectors; their number becomes that of the states.
-    pub sensors: EpsilonClustering<8>,
+    pub sensors: EpsilonClustering<PROXIMITY_SENSORS>,
     /// Clusters of commands; their number becomes that of the actions.
-    pub actuators: EpsilonClustering<2>,
+    pub actuators: EpsilonClustering<WHEELS>,
     /// A uniform sample of the sensori-motor vectors.
-    pub sample: Reservoir<10>,
+    pub sample: Reservoir<SENSORI_MOTOR>,
 }
 
 impl Watch {
@@ -32,7 +33,7 @@ impl Watch {
 
     /// Takes in a sensor vector and the command given in answer to it.
     #[inline(always)]
-    pub fn observe(&mut self, sensors: &[f32; 8], command: [f32; 2]) {
+    pub fn observe(&mut self, sensors: &[f32; PROXIMITY_SENSORS], command: [f32; WHEELS]) {
         self.sensors.observe(sensors);
         self.actuators.observe(&command);
         self.sample.offer(&sensori_motor(sensors, command));
@@ -45,9 +46,9 @@ impl Watch {
 
     /// Bytes held besides the value itself.
     pub fn heap_bytes_for(plan: &MemoryPlan) -> u64 {
-        EpsilonClustering::<8>::heap_bytes_for(plan.sensor_clusters)
-            + EpsilonClustering::<2>::heap_bytes_for(plan.actuator_clusters)
-            + Reservoir::<10>::heap_bytes_for(plan.sample)
+        EpsilonClustering::<PROXIMITY_SENSORS>::heap_bytes_for(plan.sensor_clusters)
+            + EpsilonClustering::<WHEELS>::heap_bytes_for(plan.actuator_clusters)
+            + Reservoir::<SENSORI_MOTOR>::heap_bytes_for(plan.sample)
     }
 
     /// Bytes held besides the value itself, exactly counted.

@@ -7,7 +7,8 @@
 
 use std::f64::consts::PI;
 
-use arenas::index::{WallIndex, grid_coordinate};
+use arenas::axis::GridAxis;
+use arenas::index::WallIndex;
 
 use super::kinematic::Contact;
 use crate::bodies::Body;
@@ -31,7 +32,8 @@ struct Entry {
 /// Cells at least as wide as robots see.
 #[derive(Clone, Copy, Debug)]
 struct Grid {
-    inverse_cell_m: f32,
+    across: GridAxis,
+    up: GridAxis,
     columns: usize,
     rows: usize,
 }
@@ -40,10 +42,7 @@ impl Grid {
     /// Column and row of a place.
     #[inline(always)]
     fn cell(&self, x_m: f32, y_m: f32) -> [usize; 2] {
-        [
-            grid_coordinate(x_m, self.inverse_cell_m, (self.columns - 1) as f32),
-            grid_coordinate(y_m, self.inverse_cell_m, (self.rows - 1) as f32),
-        ]
+        [self.across.cell(x_m), self.up.cell(y_m)]
     }
 }
 
@@ -88,12 +87,14 @@ impl Crowd {
         let cell_m = sight_m.max(f64::from(candidate_m)).max(spread_m * 0.5) * 1.000_1;
         let columns = (width_m / cell_m).ceil().max(1.0) as usize;
         let rows = (height_m / cell_m).ceil().max(1.0) as usize;
+        let cells_per_m = (1.0 / cell_m) as f32;
         let apart_m = f64::from(2.0 * (contact.radius_m - OVERLAP_M));
         let near_most = most_neighbours(f64::from(candidate_m), apart_m);
         Self {
             starts: vec![0; columns * rows + 1],
             grid: Grid {
-                inverse_cell_m: (1.0 / cell_m) as f32,
+                across: GridAxis::new(columns, cells_per_m),
+                up: GridAxis::new(rows, cells_per_m),
                 columns,
                 rows,
             },

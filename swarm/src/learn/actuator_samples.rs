@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::centres::Centres;
+use crate::dimensions::WHEELS;
 use crate::random::{Stream, below};
 
 /// For each actuator cluster at most `cap` of the commands that fell in it, equally likely.
@@ -12,13 +13,13 @@ pub struct ActuatorSamples {
     /// Commands offered to each cluster.
     offered: Vec<u64>,
     /// `cap` commands a cluster; the first is the centre until one was offered.
-    commands: Vec<[f32; 2]>,
+    commands: Vec<[f32; WHEELS]>,
     stream: Stream,
 }
 
 impl ActuatorSamples {
     /// Empty samples of the clusters with these centres; `cap` at least one.
-    pub fn new(centres: &Centres<2>, cap: u32, stream: Stream) -> Self {
+    pub fn new(centres: &Centres<WHEELS>, cap: u32, stream: Stream) -> Self {
         let cap = cap.max(1);
         let mut commands = Vec::with_capacity(centres.len() as usize * cap as usize);
         for centre in centres.iter() {
@@ -34,7 +35,7 @@ impl ActuatorSamples {
 
     /// Offers a command that fell in a cluster (Algorithm R, J. Vitter 1985).
     #[inline(always)]
-    pub fn offer(&mut self, cluster: u32, command: [f32; 2]) {
+    pub fn offer(&mut self, cluster: u32, command: [f32; WHEELS]) {
         let offered = &mut self.offered[cluster as usize];
         let place = if *offered < u64::from(self.cap) {
             *offered
@@ -49,7 +50,7 @@ impl ActuatorSamples {
 
     /// A command of the cluster's sample, chosen by 32 uniform bits; its centre when it is empty.
     #[inline(always)]
-    pub fn draw(&self, cluster: u32, bits: u32) -> [f32; 2] {
+    pub fn draw(&self, cluster: u32, bits: u32) -> [f32; WHEELS] {
         let held = self.offered[cluster as usize].clamp(1, u64::from(self.cap)) as u32;
         self.commands[cluster as usize * self.cap as usize + below(bits, held) as usize]
     }
@@ -57,7 +58,7 @@ impl ActuatorSamples {
     /// Bytes held besides the value itself by samples of `cap` commands of each cluster.
     pub fn heap_bytes_for(clusters: u32, cap: u32) -> u64 {
         let cluster =
-            size_of::<u64>() as u64 + u64::from(cap.max(1)) * size_of::<[f32; 2]>() as u64;
+            size_of::<u64>() as u64 + u64::from(cap.max(1)) * size_of::<[f32; WHEELS]>() as u64;
         u64::from(clusters) * cluster
     }
 

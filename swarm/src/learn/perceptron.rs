@@ -3,12 +3,13 @@
 use serde::{Deserialize, Serialize};
 
 use super::sigmoid::{logistic_of_double, tanh};
+use crate::dimensions::{PROXIMITY_SENSORS, WHEELS};
 use crate::lanes::{F8, LANES};
 
-const INPUTS: usize = 8;
+const INPUTS: usize = PROXIMITY_SENSORS;
 /// Hidden units.
 pub const HIDDEN: usize = 10;
-const OUTPUTS: usize = 2;
+const OUTPUTS: usize = WHEELS;
 /// Hidden units padded to whole lanes.
 const PADDED: usize = 2 * LANES;
 

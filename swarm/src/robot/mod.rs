@@ -9,13 +9,10 @@ pub mod response;
 
 use serde::{Deserialize, Serialize};
 
-use crate::named_choice;
-use crate::parameter_table;
+use crate::dimensions::PROXIMITY_SENSORS;
 use crate::parameters::Domain::Real;
+use crate::parameters::{named_choice, parameter_table};
 use response::SensorResponse;
-
-/// Number of proximity sensors.
-pub const SENSORS: usize = 8;
 
 named_choice! {
     /// A named set of robot parameters.
@@ -69,7 +66,7 @@ const fn mount(x_m: f64, y_m: f64, heading_rad: f64) -> SensorMount {
 }
 
 /// ps0 to ps7 of the e-puck (Webots EPuck.proto).
-pub const E_PUCK_MOUNTS: [SensorMount; SENSORS] = [
+pub const E_PUCK_MOUNTS: [SensorMount; PROXIMITY_SENSORS] = [
     mount(0.030, -0.010, -0.3008),
     mount(0.022, -0.025, -0.8008),
     mount(0.000, -0.031, -1.5708),
@@ -88,7 +85,7 @@ pub struct RobotModel {
     /// Body, wheels and options.
     pub parameters: RobotParameters,
     /// The eight sensors.
-    pub mounts: [SensorMount; SENSORS],
+    pub mounts: [SensorMount; PROXIMITY_SENSORS],
     /// Distance to value and noise.
     pub response: SensorResponse,
 }

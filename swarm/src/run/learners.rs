@@ -7,22 +7,21 @@ use crate::caps::MemoryPlan;
 use crate::controllers::{
     Babbler, Brownian, Codebook, Crawler, Explorer, Replayer, Scaling, SharedTableExplorers, Watch,
 };
-use crate::lanes::F8;
 use crate::learn::archive::Archive;
 use crate::learn::repository::Repository;
 use crate::random::{Purpose, Site, Stream, stream_key};
 use crate::sharing::pool::pool;
 use crate::sharing::radio::{Radio, RadioControllers};
 use crate::sharing::told::told_transitions;
-use crate::spec::{ControllerParameters, Objective, RunSpec, Sharing};
-use crate::stages::StageKind;
+use crate::spec::{ControllerParameters, Method, Objective, RunSpec, Sharing};
+use crate::stages::{Phase, Stage};
 use crate::world::{World, WorldState};
 
 /// One controller a robot, all of the kind that the stage asks for.
 #[derive(Serialize, Deserialize)]
 pub(super) enum Learners {
-    /// Before the first stage.
-    Idle,
+    /// Cannot be made; keeps the number of a variant that was, so that saved ones keep theirs.
+    Former(Never),
     Brownian(Vec<Brownian>),
     Babblers(Vec<Babbler>),
     Crawlers(Vec<Crawler>),
@@ -31,6 +30,10 @@ pub(super) enum Learners {
     /// Explorers with one table.
     SharedTable(Box<SharedTableExplorers>),
 }
+
+/// A type without values.
+#[derive(Serialize, Deserialize)]
+pub(super) enum Never {}
 
 /// The random streams of one robot.
 struct Streams {
@@ -130,21 +133,40 @@ impl Maker<'_> {
     /// The learners of phase 3.
     fn exploring(&self, explorers: Vec<Explorer>) -> Learners {
         if self.spec.sharing == Sharing::Arena {
-            SharedTableExplorers::new(&self.parameters, explorers)
-                .map_or(Learners::Idle, |robots| {
-                    Learners::SharedTable(Box::new(robots))
-                })
+            let robots = SharedTableExplorers::new(&self.parameters, explorers);
+            Learners::SharedTable(Box::new(robots))
         } else {
             Learners::Explorers(explorers)
         }
     }
+
+    fn brownian(&self) -> Vec<Brownian> {
+        let robot = |robot: Streams| Brownian::new(robot.key(Site::Target, Purpose::Action));
+        self.robots().map(robot).collect()
+    }
+
+    fn replayers(&self, crawlers: Vec<Crawler>) -> Vec<Replayer> {
+        let p = &self.parameters;
+        let replayer = |(explorer, archive)| {
+            Replayer::new(p.slope, Scaling::new(p.sensor_scale), archive, explorer)
+        };
+        let explorers = self.explorers(watched(crawlers));
+        exactly(explorers.into_iter().map(replayer))
+    }
 }
 
-/// What the crawlers of a phase 1 leave; every one of them watched.
+/// What the crawlers of a phase 1 leave.
+///
+/// # Panics
+/// When one did not watch: all of an evolution do ([`Learners::begin`], [`Learners::suit`]).
 fn watched(crawlers: Vec<Crawler>) -> Vec<(Watch, Archive)> {
-    let mut watched = Vec::with_capacity(crawlers.len());
-    watched.extend(crawlers.into_iter().filter_map(Crawler::finish));
-    watched
+    let watched = |crawler: Crawler| {
+        let Some(watched) = crawler.finish() else {
+            unreachable!("a crawler of phase 1 that did not watch")
+        };
+        watched
+    };
+    exactly(crawlers.into_iter().map(watched))
 }
 
 /// Collects into memory of its own: `collect` would keep that of the old, larger values.
@@ -159,48 +181,72 @@ fn first<T>(pairs: Vec<(Explorer, T)>) -> Vec<Explorer> {
 }
 
 impl Learners {
-    /// The learners of the next stage, made from those of the last.
-    pub fn begin(self, kind: StageKind, spec: &RunSpec, plan: &MemoryPlan) -> Self {
+    /// The learners of a stage, made from those of the one before, if any.
+    ///
+    /// # Panics
+    /// When the stage cannot follow the one before: `stages` knows no such order, and learners that
+    /// do not [suit](Self::suit) their stage are not restored.
+    pub fn begin(before: Option<Self>, stage: &Stage, spec: &RunSpec, plan: &MemoryPlan) -> Self {
         let make = Maker {
             spec,
             plan,
             parameters: plan.applied_to(&spec.controller.parameters),
         };
-        match (kind, self) {
-            (StageKind::Babble, _) => Learners::Babblers(make.babblers()),
-            (StageKind::Evolve, _) => Learners::Crawlers(make.crawlers(true)),
-            (StageKind::EvolveInTarget | StageKind::EvolveAndShow, _) => {
+        let method = spec.controller.method;
+        match (stage.phase, before) {
+            (Phase::Babbling, None) => Learners::Babblers(make.babblers()),
+            (Phase::Evolution, None) => Learners::Crawlers(make.crawlers(true)),
+            (Phase::Exploration, None) if method.is_evolved_baseline() => {
                 Learners::Crawlers(make.crawlers(false))
             }
-            (StageKind::Replay, Learners::Crawlers(crawlers)) => {
-                let p = &make.parameters;
-                let replayer = |(explorer, archive)| {
-                    Replayer::new(p.slope, Scaling::new(p.sensor_scale), archive, explorer)
-                };
-                let explorers = make.explorers(watched(crawlers));
-                Learners::Replayers(exactly(explorers.into_iter().map(replayer)))
+            (Phase::Exploration, None) if !method.explores() => Learners::Brownian(make.brownian()),
+            (Phase::Repository, Some(Learners::Crawlers(crawlers))) => {
+                Learners::Replayers(make.replayers(crawlers))
             }
-            (StageKind::Explore, Learners::Replayers(replayers)) => {
+            (Phase::Exploration, Some(Learners::Replayers(replayers))) => {
                 make.exploring(exactly(replayers.into_iter().map(Replayer::finish)))
             }
-            (StageKind::Explore, Learners::Babblers(babblers)) => {
+            (Phase::Exploration, Some(Learners::Babblers(babblers))) => {
                 let watched = exactly(babblers.into_iter().map(|b| (b.finish(), ())));
                 make.exploring(first(make.explorers(watched)))
             }
-            (StageKind::Explore, Learners::Crawlers(crawlers)) => {
+            (Phase::Exploration, Some(Learners::Crawlers(crawlers))) => {
                 make.exploring(first(make.explorers(watched(crawlers))))
             }
-            (StageKind::Explore | StageKind::Replay, _) => {
-                let key = |robot: Streams| Brownian::new(robot.key(Site::Target, Purpose::Action));
-                Learners::Brownian(make.robots().map(key).collect())
-            }
+            (phase, _) => unreachable!(
+                "{} of `{}` in an order that `stages` does not know",
+                phase.name(),
+                method.name()
+            ),
         }
+    }
+
+    /// Nobody, in place of learners of which the next are being made.
+    pub fn nobody() -> Self {
+        Learners::Brownian(Vec::new())
+    }
+
+    /// Whether saved learners are what a stage asks for, one a robot.
+    pub fn suit(&self, stage: &Stage, spec: &RunSpec) -> bool {
+        let method = spec.controller.method;
+        let shared = spec.sharing == Sharing::Arena;
+        let kind = match (stage.phase, self) {
+            (Phase::Babbling, Learners::Babblers(_)) => true,
+            (Phase::Evolution, Learners::Crawlers(robots)) => robots.iter().all(Crawler::watches),
+            (Phase::Repository, Learners::Replayers(_)) => true,
+            (Phase::Exploration, Learners::Crawlers(_)) => method.is_evolved_baseline(),
+            (Phase::Exploration, Learners::Brownian(_)) => method == Method::Brownian,
+            (Phase::Exploration, Learners::Explorers(_)) => method.explores() && !shared,
+            (Phase::Exploration, Learners::SharedTable(_)) => method.explores() && shared,
+            _ => false,
+        };
+        kind && self.robots() == spec.robots as usize
     }
 
     /// Moves every robot `steps` times.
     pub fn advance(&mut self, world: &mut World, radio: Option<&mut Radio>, steps: u64) {
         match (self, radio) {
-            (Learners::Idle, _) => {}
+            (Learners::Former(never), _) => match *never {},
             (Learners::Brownian(controllers), _) => world.advance(controllers, steps),
             (Learners::Babblers(controllers), _) => world.advance(controllers, steps),
             (Learners::Crawlers(controllers), Some(radio)) => {
@@ -221,12 +267,12 @@ impl Learners {
         match self {
             Learners::Explorers(controllers) => {
                 for (controller, body) in controllers.iter_mut().zip(state.bodies.iter()) {
-                    controller.begin_trajectory(&F8(body.sensors));
+                    controller.begin_trajectory(&body.reading);
                 }
             }
             Learners::Replayers(controllers) => {
                 for (controller, body) in controllers.iter_mut().zip(state.bodies.iter()) {
-                    controller.begin_trajectory(&F8(body.sensors));
+                    controller.begin_trajectory(&body.reading);
                 }
             }
             Learners::SharedTable(robots) => robots.begin_trajectory(&state.bodies),
@@ -304,7 +350,7 @@ impl Learners {
     /// Robots.
     pub fn robots(&self) -> usize {
         match self {
-            Learners::Idle => 0,
+            Learners::Former(never) => match *never {},
             Learners::Brownian(controllers) => controllers.len(),
             Learners::Babblers(controllers) => controllers.len(),
             Learners::Crawlers(controllers) => controllers.len(),
@@ -317,7 +363,7 @@ impl Learners {
     /// Bytes held in all, exactly counted.
     pub fn bytes(&self) -> u64 {
         match self {
-            Learners::Idle => 0,
+            Learners::Former(never) => match *never {},
             Learners::Brownian(controllers) => size_of_val(&controllers[..]) as u64,
             Learners::Babblers(controllers) => controllers.iter().map(Babbler::bytes).sum(),
             Learners::Crawlers(controllers) => controllers.iter().map(Crawler::bytes).sum(),
@@ -338,7 +384,7 @@ impl Learners {
             Sharing::None | Sharing::Arena => 0,
         };
         match self {
-            Learners::Idle => Vec::new(),
+            Learners::Former(never) => match *never {},
             Learners::Brownian(controllers) => {
                 vec![robot(size_of::<Brownian>() as u64, 0); controllers.len()]
             }

@@ -16,7 +16,8 @@ use crate::bodies::Bodies;
 use crate::caps::MemoryPlan;
 use crate::random::Site;
 use crate::spec::{Episodes, FieldError, RunSpec};
-use crate::stages::{Phase, Stage, StageKind, arena_epochs, stages};
+use crate::stages::{Phase, Stage, arena_epochs};
+use crate::validate::ValidSpec;
 use crate::world::Backend;
 
 /// A run in progress.
@@ -38,31 +39,20 @@ pub struct Run {
 }
 
 impl Run {
-    /// Checks the spec and sets the run up.
+    /// Sets a run up.
     ///
     /// # Errors
-    /// Every field of the spec that cannot be used.
-    pub fn new(spec: RunSpec) -> Result<Self, Vec<FieldError>> {
-        let errors = spec.validate();
-        if !errors.is_empty() {
-            return Err(errors);
-        }
-        let memory = MemoryPlan::of(&spec).map_err(|_| spec.validate())?;
-        let stages = stages(&spec, &memory);
+    /// When the robots do not fit into the arenas; says how many do.
+    pub fn new(spec: ValidSpec) -> Result<Self, Vec<FieldError>> {
+        let (spec, memory, stages) = spec.into_parts();
         let venues = sites(&spec, &stages)
             .map(|(arena, site)| Venue::new(&spec, &memory, arena, site))
             .collect::<Result<_, _>>()
-            .map_err(|e| vec![e])?;
+            .map_err(|error| vec![error])?;
         let mut run = Self {
             reachable: OnceLock::new(),
-            learners: Learners::Idle,
-            position: RunPosition {
-                stage: 0,
-                epoch: 0,
-                showing: false,
-                step: 0,
-                steps: 0,
-            },
+            learners: Learners::begin(None, &stages[0], &spec, &memory),
+            position: RunPosition::default(),
             curve: Vec::new(),
             metrics: Vec::new(),
             tracks: Tracks::default(),
@@ -72,7 +62,7 @@ impl Run {
             stages,
             venues,
         };
-        run.begin_stage();
+        run.enter_stage();
         Ok(run)
     }
 
@@ -114,33 +104,40 @@ impl Run {
         }
     }
 
-    /// Sets learners and arena up for the stage that the run has come to.
+    /// Makes the learners of the stage that the run has come to from those of the last.
     fn begin_stage(&mut self) {
         let Some(stage) = self.stage() else { return };
-        let learners = std::mem::replace(&mut self.learners, Learners::Idle);
+        // Nobody for a moment: the learners of a stage are made of those of the last.
+        let learners = std::mem::replace(&mut self.learners, Learners::nobody());
         if let Some(clusters) = learners.sensori_motor_clusters() {
             self.sensori_motor_clusters = clusters;
         }
-        self.learners = learners.begin(stage.kind, &self.spec, &self.memory);
-        if stage.kind == StageKind::Replay && stage.site == Site::Training {
+        self.learners = Learners::begin(Some(learners), &stage, &self.spec, &self.memory);
+        self.enter_stage();
+    }
+
+    /// Sets the arena up for the stage that the run has come to.
+    fn enter_stage(&mut self) {
+        let Some(stage) = self.stage() else { return };
+        if stage.phase == Phase::Repository && stage.site == Site::Training {
             // The replay gives the trajectories of phase 1 back, so it must meet the same noise.
             self.venues[TRAINING].begin_again(&self.spec);
         }
-        if stage.kind.counts() {
+        if stage.counts() {
             self.resume_counting();
             if self.spec.episodes == Episodes::Continue {
                 self.venues[TARGET].world.enter_squares();
             }
         }
         self.begin_epoch();
-        if stage.kind.counts() {
+        if stage.counts() {
             self.track_objects();
         }
     }
 
     /// Lets visits count where the stage says so.
     pub(super) fn resume_counting(&mut self) {
-        let counts = self.stage().is_some_and(|stage| stage.kind.counts());
+        let counts = self.stage().is_some_and(|stage| stage.counts());
         self.venues[TARGET].world.set_counting(counts);
     }
 
@@ -162,7 +159,7 @@ impl Run {
             self.learners.next_candidates();
         } else {
             self.learners.end_trajectory();
-            if stage.kind == StageKind::EvolveAndShow {
+            if stage.shows {
                 self.position.showing = true;
                 self.learners.set_showing(true);
                 self.begin_epoch();
@@ -171,7 +168,7 @@ impl Run {
             self.learners.next_candidates();
         }
         self.position.epoch += 1;
-        if stage.kind.counts() {
+        if stage.counts() {
             self.curve.push(self.curve_row(self.position.epoch));
             self.row_after_epoch();
         }
@@ -212,7 +209,7 @@ impl Run {
 
     /// Whether visits count in the epoch that the run is in.
     fn is_counting(&self) -> bool {
-        self.stage().is_some_and(|stage| stage.kind.counts()) && self.venue() == TARGET
+        self.stage().is_some_and(|stage| stage.counts()) && self.venue() == TARGET
     }
 
     pub(super) fn metrics_now(&self) -> MetricsRow {
@@ -250,7 +247,7 @@ impl Run {
     pub fn progress(&self) -> Progress {
         let robots = u64::from(self.spec.robots);
         Progress {
-            phase: self.stage().map_or(Phase::Done, |stage| stage.kind.phase()),
+            phase: self.stage().map_or(Phase::Done, |stage| stage.phase),
             epochs_done: self.curve.len() as u32,
             epochs_total: self.spec.epochs,
             robot_steps_done: self.position.steps * robots,

@@ -3,7 +3,6 @@
 use super::machine::Run;
 use super::venue::TARGET;
 use crate::controllers::{Reference, Scaling};
-use crate::lanes::F8;
 use crate::learn::accuracy::{Divergence, divergence};
 use crate::random::{Purpose, Site, stream_key};
 use crate::world::World;
@@ -37,7 +36,7 @@ impl Run {
         let mut left = REFERENCE_STEPS.min(counted);
         while left > 0 {
             world.reset();
-            controllers[0].begin_trajectory(&F8(world.state().bodies[0].sensors));
+            controllers[0].begin_trajectory(&world.state().bodies[0].reading);
             let steps = left.min(u64::from(spec.steps_per_epoch));
             world.advance(&mut controllers, steps);
             left -= steps;

@@ -84,7 +84,7 @@ pub enum RestoreError {
     /// It belongs to another spec.
     #[error("the snapshot belongs to another spec")]
     OtherSpec,
-    /// The spec itself is not valid.
-    #[error("the spec is not valid: {0:?}")]
+    /// The robots do not fit into the arenas of the spec.
+    #[error("the spec cannot be run: {0:?}")]
     Spec(Vec<FieldError>),
 }

@@ -1,7 +1,7 @@
 //! How far a run is.
 
 /// Where a run stands in its stages.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(super) struct RunPosition {
     pub stage: u32,
     /// Epochs of the stage that are complete.

@@ -13,7 +13,9 @@ use super::outcome::RestoreError;
 use super::position::RunPosition;
 use super::tracks::Tracks;
 use crate::engine::EngineState;
-use crate::spec::RunSpec;
+use crate::robot::RobotModel;
+use crate::spec::{ControllerSpec, RadioLink, RunSpec, Sharing, Training};
+use crate::validate::ValidSpec;
 use crate::world::{World, WorldState};
 
 /// Changes whenever the layout of saved state does.
@@ -44,28 +46,64 @@ struct Saved {
 }
 
 /// Tells specs apart: two that would run differently have different digests.
+///
+/// The spec is taken apart without `..`: a field that is added does not compile until it is thought
+/// of here. What only some specs have (as a method's own parameters) is a further part for those,
+/// so that the digests of all others, and with them their snapshots, stay what they are.
 fn digest(spec: &RunSpec) -> [u8; 32] {
-    let mut hash = Sha256::new();
-    let training = spec.controller.training.as_ref();
-    for part in [
-        spec.arena.content_key(),
-        training.map_or_else(Vec::new, |t| t.arena.content_key()),
-        // Debug of numbers is exact (shortest digits that read back equal).
-        format!(
-            "{:?}",
-            (
-                spec.seed,
-                spec.controller.method,
-                &spec.controller.parameters,
-                training.map(|t| t.epochs),
-                (spec.epochs, spec.steps_per_epoch, spec.robots),
-                (spec.placement, spec.episodes, spec.engine),
-                (spec.memory_budget_bytes, &spec.sharing),
-                &spec.robot,
-            )
+    let RunSpec {
+        seed,
+        arena,
+        controller,
+        epochs,
+        steps_per_epoch,
+        robots,
+        placement,
+        episodes,
+        robot,
+        engine,
+        memory_budget_bytes,
+        sharing,
+    } = spec;
+    let ControllerSpec {
+        method,
+        parameters,
+        training,
+    } = controller;
+    let (training_arena, training_epochs) = match training {
+        Some(Training { arena, epochs }) => (arena.content_key(), Some(epochs)),
+        None => (Vec::new(), None),
+    };
+    // These are told whole below.
+    let RobotModel {
+        preset: _,
+        parameters: _,
+        mounts: _,
+        response: _,
+    } = robot;
+    match sharing {
+        Sharing::None | Sharing::Arena => {}
+        Sharing::Radio(RadioLink {
+            range_m: _,
+            bytes_per_step: _,
+        }) => {}
+    }
+    // Debug of numbers is exact (shortest digits that read back equal).
+    let figures = format!(
+        "{:?}",
+        (
+            seed,
+            method,
+            parameters,
+            training_epochs,
+            (epochs, steps_per_epoch, robots),
+            (placement, episodes, engine),
+            (memory_budget_bytes, sharing),
+            robot,
         )
-        .into_bytes(),
-    ] {
+    );
+    let mut hash = Sha256::new();
+    for part in [arena.content_key(), training_arena, figures.into_bytes()] {
         hash.update((part.len() as u64).to_le_bytes());
         hash.update(part);
     }
@@ -77,7 +115,7 @@ impl Run {
     ///
     /// # Errors
     /// When the bytes are damaged, of another version or of another spec.
-    pub fn restore(spec: RunSpec, bytes: &[u8]) -> Result<Self, RestoreError> {
+    pub fn restore(spec: ValidSpec, bytes: &[u8]) -> Result<Self, RestoreError> {
         restore(spec, bytes)
     }
 
@@ -117,7 +155,7 @@ fn save(run: &Run) -> Vec<u8> {
 }
 
 /// A run that goes on from saved state.
-fn restore(spec: RunSpec, bytes: &[u8]) -> Result<Run, RestoreError> {
+fn restore(spec: ValidSpec, bytes: &[u8]) -> Result<Run, RestoreError> {
     let unreadable = |why: &str| RestoreError::Unreadable(why.into());
     let rest = bytes
         .strip_prefix(MAGIC)
@@ -134,10 +172,16 @@ fn restore(spec: RunSpec, bytes: &[u8]) -> Result<Run, RestoreError> {
     }
     let mut run = Run::new(spec).map_err(RestoreError::Spec)?;
     let misfit = || unreadable("its parts do not fit the spec");
-    if saved.worlds.len() != run.venues.len()
-        || saved.learners.robots() != run.spec.robots as usize
-        || saved.position.stage as usize > run.stages.len()
-    {
+    // After the last stage its learners stay.
+    let last = run.stages.len() - 1;
+    let stage = &run.stages[(saved.position.stage as usize).min(last)];
+    let fits = saved.worlds.len() == run.venues.len()
+        && saved.position.stage as usize <= run.stages.len()
+        && saved.position.epoch <= stage.epochs
+        && saved.position.step <= run.spec.steps_per_epoch
+        && (stage.shows || !saved.position.showing)
+        && saved.learners.suit(stage, &run.spec);
+    if !fits {
         return Err(misfit());
     }
     run.position = saved.position;

@@ -14,6 +14,7 @@ use crate::spec::{
     ControllerParameters, ControllerSpec, EngineKind, Episodes, Method, Placement, RunSpec,
     Sharing, Training,
 };
+use crate::validate::ValidSpec;
 use crate::world::Backend;
 
 fn arena(name: &str) -> Arc<Arena> {
@@ -57,16 +58,24 @@ fn swarm(method: Method, robots: u32) -> RunSpec {
     }
 }
 
+fn valid(spec: RunSpec) -> ValidSpec {
+    spec.validate().unwrap()
+}
+
+fn run_of(spec: RunSpec) -> Run {
+    Run::new(valid(spec)).unwrap()
+}
+
 fn finished(spec: RunSpec) -> Outcome {
-    let mut run = Run::new(spec).unwrap();
+    let mut run = run_of(spec);
     run.advance(u64::MAX);
     run.outcome().unwrap()
 }
 
 /// Interrupts a run at every multiple of `every` steps and compares with one never interrupted.
 fn check_interrupted(spec: &RunSpec, every: u64) {
-    let mut whole = Run::new(spec.clone()).unwrap();
-    let mut parts = Run::new(spec.clone()).unwrap();
+    let mut whole = run_of(spec.clone());
+    let mut parts = run_of(spec.clone());
     while whole.outcome().is_none() {
         whole.advance(every);
         parts.advance(every);
@@ -76,7 +85,7 @@ fn check_interrupted(spec: &RunSpec, every: u64) {
             "differs after {} steps",
             whole.step()
         );
-        parts = Run::restore(spec.clone(), &saved).unwrap();
+        parts = Run::restore(valid(spec.clone()), &saved).unwrap();
         assert!(parts.snapshot() == saved, "restoring changed the state");
     }
     assert_eq!(whole.outcome(), parts.outcome());
@@ -112,10 +121,10 @@ fn interrupted_equals_uninterrupted_for_swarms_engines_and_episodes() {
 fn blocks_and_instructions_do_not_matter() {
     for spec in [spec(Method::EvIterCa), swarm(Method::Curiosity, 5)] {
         let whole = finished(spec.clone());
-        let mut blocks = Run::new(spec.clone()).unwrap();
+        let mut blocks = run_of(spec.clone());
         while blocks.advance(7).phase != Phase::Done {}
         assert_eq!(blocks.outcome().unwrap(), whole);
-        let mut portable = Run::new(spec).unwrap();
+        let mut portable = run_of(spec);
         portable.set_backend(Backend::Portable);
         portable.advance(u64::MAX);
         assert_eq!(portable.outcome().unwrap(), whole);
@@ -148,13 +157,13 @@ fn replay_sees_the_very_trajectories_of_phase_1() {
     // The archive replayed at the end of phase 2 leaves the robot where phase 1 left it.
     let spec = spec(Method::EvIterC);
     let steps = u64::from(spec.steps_per_epoch) * 3;
-    let mut run = Run::new(spec).unwrap();
+    let mut run = run_of(spec);
     let pose = |run: &Run| {
         let robot = &run.robots()[0];
         (
             robot.x_m.to_bits(),
             robot.y_m.to_bits(),
-            robot.sensors.map(f32::to_bits),
+            robot.reading.proximity.map(f32::to_bits),
         )
     };
     let mut evolved = Vec::new();
@@ -182,7 +191,7 @@ fn replay_sees_the_very_trajectories_of_phase_1() {
 
 #[test]
 fn progress_counts_every_stage() {
-    let mut run = Run::new(spec(Method::EvIterC)).unwrap();
+    let mut run = run_of(spec(Method::EvIterC));
     let total = run.progress().robot_steps_total;
     assert_eq!(total, (3 + 3 + 3) * 200);
     assert_eq!(run.advance(u64::MAX).robot_steps_done, total);
@@ -192,7 +201,7 @@ fn progress_counts_every_stage() {
             .windows(2)
             .all(|w| w[0].p1 <= w[1].p1 && w[0].epoch < w[1].epoch)
     );
-    let shown = Run::new(spec(Method::Curiosity)).unwrap();
+    let shown = run_of(spec(Method::Curiosity));
     assert_eq!(
         shown.progress().robot_steps_total,
         2 * 3 * 200,
@@ -202,7 +211,7 @@ fn progress_counts_every_stage() {
 
 #[test]
 fn visits_agree_with_coverage() {
-    let mut run = Run::new(swarm(Method::Brownian, 6)).unwrap();
+    let mut run = run_of(swarm(Method::Brownian, 6));
     run.advance(u64::MAX);
     let (visits, dwell) = (run.visits(), run.dwell());
     let outcome = run.outcome().unwrap();
@@ -219,15 +228,15 @@ fn visits_agree_with_coverage() {
 
 #[test]
 fn damaged_and_foreign_snapshots_are_refused() {
-    let run = Run::new(spec(Method::Im)).unwrap();
+    let run = run_of(spec(Method::Im));
     let saved = run.snapshot();
     for cut in [0, 7, 39, 41, saved.len() - 1] {
-        assert!(Run::restore(spec(Method::Im), &saved[..cut]).is_err());
+        assert!(Run::restore(valid(spec(Method::Im)), &saved[..cut]).is_err());
     }
     let mut flipped = saved.clone();
     flipped[100] ^= 1;
     assert!(matches!(
-        Run::restore(spec(Method::Im), &flipped),
+        Run::restore(valid(spec(Method::Im)), &flipped),
         Err(RestoreError::Unreadable(_))
     ));
     let other = RunSpec {
@@ -235,16 +244,33 @@ fn damaged_and_foreign_snapshots_are_refused() {
         ..spec(Method::Im)
     };
     assert!(matches!(
-        Run::restore(other, &saved),
+        Run::restore(valid(other), &saved),
         Err(RestoreError::OtherSpec)
     ));
+}
+
+#[test]
+fn learners_that_do_not_suit_their_stage_are_not_restored() {
+    // Otherwise sound, with the right checksum: only their kind, or their number, is another.
+    for (of, other) in [
+        (swarm(Method::Im, 2), swarm(Method::Brownian, 2)),
+        (swarm(Method::EvIterC, 2), swarm(Method::Curiosity, 2)),
+        (swarm(Method::Brownian, 2), swarm(Method::Brownian, 1)),
+    ] {
+        let mut run = run_of(of.clone());
+        run.learners = run_of(other).learners;
+        assert!(matches!(
+            Run::restore(valid(of), &run.snapshot()),
+            Err(RestoreError::Unreadable(_))
+        ));
+    }
 }
 
 #[test]
 fn specs_that_cannot_run_are_refused_with_their_fields() {
     let check =
         |spec: RunSpec, pointer: &str, part: &str| {
-            let errors = Run::new(spec).err().unwrap();
+            let errors = spec.validate().and_then(Run::new).err().unwrap();
             assert!(
                 errors.iter().any(|e| e.pointer == pointer
                     && (e.message.contains(part) || e.allowed.contains(part))),
@@ -298,10 +324,10 @@ fn specs_that_cannot_run_are_refused_with_their_fields() {
 
 #[test]
 fn model_accuracy_is_of_those_with_a_table_and_changes_nothing() {
-    let mut brownian = Run::new(spec(Method::Brownian)).unwrap();
+    let mut brownian = run_of(spec(Method::Brownian));
     brownian.advance(u64::MAX);
     assert_eq!(brownian.outcome().unwrap().model, None);
-    let mut im = Run::new(spec(Method::Im)).unwrap();
+    let mut im = run_of(spec(Method::Im));
     im.advance(u64::MAX);
     let before = im.snapshot();
     let model = im.outcome().unwrap().model.unwrap();
@@ -322,7 +348,7 @@ fn metrics_agree_with_visits_step_by_step() {
         steps_per_epoch: 40,
         ..swarm(Method::Brownian, 3)
     };
-    let mut run = Run::new(spec).unwrap();
+    let mut run = run_of(spec);
     let mask = run.reachable().mask.clone();
     let reachable = run.reachable().count;
     // The oracle: visits after every step.
@@ -410,11 +436,10 @@ fn pushed_objects_are_saved_and_counted() {
 #[test]
 fn objects_are_tracked_where_metrics_have_rows() {
     for episodes in [Episodes::Reset, Episodes::Continue] {
-        let mut run = Run::new(RunSpec {
+        let mut run = run_of(RunSpec {
             episodes,
             ..pushing_boxes()
-        })
-        .unwrap();
+        });
         let mut seen = Vec::new();
         while run.outcome().is_none() {
             run.advance(1);
@@ -439,12 +464,15 @@ fn objects_are_tracked_where_metrics_have_rows() {
         let first = tracks.moments().next().unwrap();
         assert!(first.objects.iter().all(|object| object.moved_m == 0.0));
     }
-    assert!(Run::new(swarm(Method::Im, 1)).unwrap().tracks().is_empty());
+    assert!(run_of(swarm(Method::Im, 1)).tracks().is_empty());
 }
 
 #[test]
 fn the_kinematic_engine_refuses_objects_also_in_training() {
-    let pointer = |spec: RunSpec| spec.validate().first().map(|error| error.pointer.clone());
+    let pointer = |spec: RunSpec| {
+        let errors = spec.validate().err().unwrap_or_default();
+        errors.first().map(|error| error.pointer.clone())
+    };
     let kinematic = RunSpec {
         engine: EngineKind::Kinematic,
         ..pushing_boxes()

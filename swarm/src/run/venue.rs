@@ -10,7 +10,8 @@ use crate::placement::place;
 use crate::random::{Purpose, Site, stream_key};
 use crate::sharing::radio::Radio;
 use crate::spec::{FieldError, RunSpec, Sharing};
-use crate::stages::{Stage, stages};
+use crate::stages::Stage;
+use crate::validate::ValidSpec;
 use crate::world::{Ground, World};
 
 pub(super) const TARGET: usize = 0;
@@ -61,9 +62,8 @@ fn starts(spec: &RunSpec, ground: &Ground, site: Site) -> Result<Vec<StartPose>,
 ///
 /// # Errors
 /// When they cannot; says how many can.
-pub fn check_placement(spec: &RunSpec) -> Result<(), FieldError> {
-    let stages = MemoryPlan::of(spec).map_or_else(|_| Vec::new(), |plan| stages(spec, &plan));
-    sites(spec, &stages).try_for_each(|(arena, site)| {
+pub fn check_placement(spec: &ValidSpec) -> Result<(), FieldError> {
+    sites(spec, spec.stages()).try_for_each(|(arena, site)| {
         let ground = Ground::new(Arc::clone(arena), &spec.robot);
         starts(spec, &ground, site).map(drop)
     })

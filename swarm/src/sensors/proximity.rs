@@ -4,9 +4,12 @@ use arenas::index::WallIndex;
 
 use super::noise::normals;
 use crate::bodies::{ObjectPose, Shape};
+use crate::dimensions::PROXIMITY_SENSORS;
 use crate::lanes::{F8, LANES};
 use crate::robot::RobotModel;
 use crate::robot::response::MAX_ROWS;
+
+const _: () = assert!(PROXIMITY_SENSORS == LANES, "a ray a lane");
 
 /// Largest raw value of the 12-bit sensors.
 pub const RAW_MAX: f32 = 4095.0;

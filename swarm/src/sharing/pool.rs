@@ -1,11 +1,12 @@
 //! A common sample of what all robots saw, from which their common codebook is made.
 
 use crate::controllers::Watch;
+use crate::dimensions::SENSORI_MOTOR;
 
 /// What k-means needs for a codebook.
 pub struct Pooled {
     /// Sensori-motor vectors.
-    pub vectors: Vec<[f32; 10]>,
+    pub vectors: Vec<[f32; SENSORI_MOTOR]>,
     /// Numbers of states and of actions.
     pub clusters: (u32, u32),
 }

@@ -12,10 +12,10 @@
 //! depends on robot and step alone.
 
 use super::told::{MOST_HEARD, Told, told_transitions};
-use crate::bodies::Bodies;
+use crate::bodies::{Bodies, Reading};
 use crate::caps::MemoryPlan;
 use crate::controllers::{Controller, Controllers, Crawler, Explorer};
-use crate::lanes::F8;
+use crate::dimensions::WHEELS;
 use crate::learn::perceptron::WEIGHTS;
 use crate::learn::transition::Transition;
 use crate::random::{below, draw};
@@ -268,13 +268,13 @@ impl<P: Tell> Controllers for RadioControllers<'_, P> {
     }
 
     #[inline(always)]
-    fn act(&mut self, robot: usize, step: u64, raw: &F8) -> [f32; 2] {
-        self.controllers[robot].act(step, raw)
+    fn act(&mut self, robot: usize, step: u64, reading: &Reading) -> [f32; WHEELS] {
+        self.controllers[robot].act(step, reading)
     }
 
     #[inline(always)]
-    fn learn(&mut self, robot: usize, raw: &F8) {
-        self.controllers[robot].learn(raw);
+    fn learn(&mut self, robot: usize, reading: &Reading) {
+        self.controllers[robot].learn(reading);
     }
 
     #[inline(always)]

@@ -1,8 +1,7 @@
 //! Parameters of the learners: one table, and the choices in it.
 
-use crate::named_choice;
-use crate::parameter_table;
 use crate::parameters::Domain::{Choice, Real, Whole};
+use crate::parameters::{named_choice, parameter_table};
 
 named_choice! {
     /// When a state's information counts as insufficient (phase 3).

@@ -1,7 +1,7 @@
 //! The methods by which robots are controlled, and what their evolution is for.
 
 use super::controller::StatesFrom;
-use crate::named_choice;
+use crate::parameters::named_choice;
 
 named_choice! {
     /// How a robot is controlled.

@@ -7,7 +7,7 @@ use arenas::Arena;
 use super::controller::ControllerParameters;
 use super::method::Method;
 use super::sharing::Sharing;
-use crate::named_choice;
+use crate::parameters::named_choice;
 use crate::robot::RobotModel;
 
 named_choice! {
@@ -62,7 +62,7 @@ pub struct ControllerSpec {
     pub training: Option<Training>,
 }
 
-/// Everything that a run is made from. Fields are checked by [`crate::run::Run::new`].
+/// Everything that a run is made from; [`RunSpec::validate`] checks it.
 #[derive(Clone, Debug)]
 pub struct RunSpec {
     /// Seed of every random stream.
@@ -92,6 +92,28 @@ pub struct RunSpec {
 }
 
 impl RunSpec {
+    /// A run of one robot with every default; methods that train need a `training` besides.
+    pub fn new(method: Method, arena: Arc<Arena>) -> Self {
+        Self {
+            seed: 1,
+            arena,
+            controller: ControllerSpec {
+                method,
+                parameters: ControllerParameters::default(),
+                training: None,
+            },
+            epochs: 2_000,
+            steps_per_epoch: 2_000,
+            robots: 1,
+            placement: Placement::Start,
+            episodes: Episodes::Reset,
+            robot: RobotModel::default(),
+            engine: EngineKind::Kinematic,
+            memory_budget_bytes: None,
+            sharing: Sharing::None,
+        }
+    }
+
     /// Whether all phases happen on line in the target arena: robots that go on where they stand
     /// when an epoch ends, and whose training arena is the target.
     pub fn is_on_line(&self) -> bool {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::named_choice;
+use crate::parameters::named_choice;
 
 named_choice! {
     /// How robots share.

@@ -5,7 +5,7 @@
 //! anew. Whoever looks tests distances exactly, so lists never change what is seen.
 
 use arenas::Arena;
-use arenas::index::grid_coordinate;
+use arenas::axis::GridAxis;
 
 use crate::bodies::{ObjectPose, Shape};
 use crate::lanes::F8;
@@ -24,9 +24,9 @@ pub struct ObjectGrid {
     /// Farthest that each object can be seen from, between its centre and the robot's, metres.
     sights_m: Vec<f32>,
     margin_m: f32,
-    inverse_cell_m: f32,
+    across: GridAxis,
+    up: GridAxis,
     columns: usize,
-    rows: usize,
     /// Start of each cell in `listing`, one more than there are cells.
     starts: Vec<u32>,
     listing: Vec<u32>,
@@ -53,9 +53,9 @@ impl ObjectGrid {
         Self {
             shapes,
             margin_m: (MARGIN * typical_m) as f32,
-            inverse_cell_m: (1.0 / cell_m) as f32,
+            across: GridAxis::new(columns, (1.0 / cell_m) as f32),
+            up: GridAxis::new(rows, (1.0 / cell_m) as f32),
             columns,
-            rows,
             starts: match objects {
                 0 => Vec::new(),
                 _ => vec![0; columns * rows + 1],
@@ -123,10 +123,7 @@ impl ObjectGrid {
     /// Column and row of a place.
     #[inline(always)]
     fn cell(&self, x_m: f32, y_m: f32) -> [usize; 2] {
-        [
-            grid_coordinate(x_m, self.inverse_cell_m, (self.columns - 1) as f32),
-            grid_coordinate(y_m, self.inverse_cell_m, (self.rows - 1) as f32),
-        ]
+        [self.across.cell(x_m), self.up.cell(y_m)]
     }
 
     /// Numbers of the objects that a robot at (x, y) may see: all that it sees, and some more.

@@ -7,7 +7,6 @@
 use super::{Backend, World, WorldState};
 use crate::controllers::{Controller, Controllers};
 use crate::engine::EngineState;
-use crate::lanes::F8;
 use crate::random::{mix64, unit};
 
 /// Odd, close to 2^64 / golden ratio: spreads counters over all words.
@@ -70,7 +69,7 @@ impl World {
             if i + AHEAD < numbers.len() {
                 controllers.expect_acting(numbers[i + AHEAD] as usize);
             }
-            let command = controllers.act(numbers[i] as usize, step, &F8(body.sensors));
+            let command = controllers.act(numbers[i] as usize, step, &body.reading);
             body.command = command;
             let left = drive.accelerate(body.wheels_rad_s[0], command[0]);
             let right = drive.accelerate(body.wheels_rad_s[1], command[1]);
@@ -100,7 +99,7 @@ impl World {
             if i + AHEAD < numbers.len() {
                 controllers.expect_learning(numbers[i + AHEAD] as usize);
             }
-            controllers.learn(numbers[i] as usize, &F8(body.sensors));
+            controllers.learn(numbers[i] as usize, &body.reading);
         }
     }
 
@@ -224,7 +223,7 @@ impl World {
                         distance_m =
                             objects.see(optics, poses, &rays, (body.x_m, body.y_m), distance_m);
                     }
-                    body.sensors = optics
+                    body.reading.proximity = optics
                         .respond(distance_m, mix64(key.wrapping_add(counter)))
                         .0;
                 }
@@ -243,7 +242,7 @@ impl World {
                         distance_m = objects.see(optics, poses, &rays, (x_m, y_m), distance_m);
                     }
                     let word = mix64(self.noise_keys[slot].wrapping_add(counter));
-                    body.sensors = optics.respond(distance_m, word).0;
+                    body.reading.proximity = optics.respond(distance_m, word).0;
                 }
             }
         }

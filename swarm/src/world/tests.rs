@@ -8,8 +8,8 @@ use std::sync::Arc;
 use proptest::prelude::*;
 
 use super::*;
+use crate::bodies::Reading;
 use crate::controllers::{Brownian, Controller};
-use crate::lanes::F8;
 use crate::random::{Stream, draw, unit};
 
 /// Drives at random, in stretches, at full speed.
@@ -19,14 +19,14 @@ struct Bumper {
 }
 
 impl Controller for Bumper {
-    fn act(&mut self, step: u64, _raw: &F8) -> [f32; 2] {
+    fn act(&mut self, step: u64, _reading: &Reading) -> [f32; 2] {
         let bits = draw(self.key, step / self.stretch);
         [
             2.0 * unit(bits as u32) - 0.6,
             2.0 * unit((bits >> 32) as u32) - 0.6,
         ]
     }
-    fn learn(&mut self, _raw: &F8) {}
+    fn learn(&mut self, _reading: &Reading) {}
 }
 
 fn ground(name: &str, model: &RobotModel) -> Ground {
@@ -102,7 +102,7 @@ fn hand_check_of_the_sensors() {
         EngineKind::Kinematic,
         vec![at(0.6 - radius, 0.3, 0.0)],
     );
-    let seen = ahead.state().bodies[0].sensors;
+    let seen = ahead.state().bodies[0].reading.proximity;
     assert_eq!(
         (seen[0].round(), seen[7].round()),
         (2862.0, 2862.0),
@@ -120,7 +120,7 @@ fn hand_check_of_the_sensors() {
             EngineKind::Kinematic,
             vec![at(0.6 - radius, 0.3, heading)],
         );
-        let value = turned.state().bodies[0].sensors[k];
+        let value = turned.state().bodies[0].reading.proximity[k];
         assert_eq!(value.round(), *expected, "ps{k}: {value}");
     }
     // Nothing in sight.
@@ -132,7 +132,8 @@ fn hand_check_of_the_sensors() {
     );
     assert!(
         alone.state().bodies[0]
-            .sensors
+            .reading
+            .proximity
             .iter()
             .all(|v| (v - 34.0).abs() < 1e-3)
     );
@@ -207,7 +208,7 @@ fn rays_agree_with_brute_force() {
                 let distance =
                     brute_force_ray(&ground.arena, &[], 0.0, origin, direction).min(range);
                 let expected = model.response.at(distance * model.parameters.ray_stretch).0;
-                let seen = f64::from(state.bodies[0].sensors[k]);
+                let seen = f64::from(state.bodies[0].reading.proximity[k]);
                 // 250,000 raw a metre at the steepest: 2 raw are 8 micrometres.
                 differing += u32::from((seen - expected).abs() > 2.0);
             }
@@ -253,7 +254,7 @@ fn robots_are_seen_as_discs() {
                 (angle.cos(), angle.sin()),
             );
             let expected = model.response.at(expected * model.parameters.ray_stretch).0;
-            let seen = f64::from(pair.state().bodies[0].sensors[k]);
+            let seen = f64::from(pair.state().bodies[0].reading.proximity[k]);
             assert!(
                 (seen - expected).abs() < 0.01 * expected + 3.0,
                 "ps{k} {seen} {expected}"
@@ -341,10 +342,10 @@ fn slides_along_a_wall_as_friction_says() {
         let mut world = world(&ground, &model, EngineKind::Kinematic, vec![start]);
         struct Ahead;
         impl Controller for Ahead {
-            fn act(&mut self, _: u64, _: &F8) -> [f32; 2] {
+            fn act(&mut self, _: u64, _: &Reading) -> [f32; 2] {
                 [1.0; 2]
             }
-            fn learn(&mut self, _: &F8) {}
+            fn learn(&mut self, _: &Reading) {}
         }
         world.advance(&mut [Ahead], 12);
         let before = world.state().bodies[0].x_m;
@@ -424,7 +425,7 @@ fn portable_and_avx2_give_the_same_bits_over_100_000_steps() {
         (
             world.state().bodies[0].x_m.to_bits(),
             world.state().bodies[0].sin.to_bits(),
-            world.state().bodies[0].sensors.map(f32::to_bits),
+            world.state().bodies[0].reading.proximity.map(f32::to_bits),
             world.visits(),
         )
     };

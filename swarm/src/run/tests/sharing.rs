@@ -99,7 +99,7 @@ fn on_line_all_phases_happen_in_one_arena_without_a_reset() {
         arena: arena("maze"),
         epochs: 3,
     });
-    let mut run = Run::new(on_line.clone()).unwrap();
+    let mut run = run_of(on_line.clone());
     assert_eq!(run.venues.len(), 1);
     let step_m = on_line.robot.max_step_m() as f32;
     let mut last = run.robots()[0];

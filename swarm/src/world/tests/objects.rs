@@ -2,7 +2,8 @@
 
 use super::super::object_grid::ObjectGrid;
 use super::*;
-use crate::bodies::Shape;
+use crate::bodies::{Reading, Shape};
+use crate::lanes::F8;
 
 /// A room of 1 m with these objects and a start at its centre.
 fn room(objects: &str, model: &RobotModel) -> Ground {
@@ -16,10 +17,10 @@ fn room(objects: &str, model: &RobotModel) -> Ground {
 struct Ahead;
 
 impl Controller for Ahead {
-    fn act(&mut self, _: u64, _: &F8) -> [f32; 2] {
+    fn act(&mut self, _: u64, _: &Reading) -> [f32; 2] {
         [1.0; 2]
     }
-    fn learn(&mut self, _: &F8) {}
+    fn learn(&mut self, _: &Reading) {}
 }
 
 /// Whether a point is inside an object at a pose.
@@ -69,7 +70,7 @@ fn boxes_and_discs_are_seen_at_their_distance() {
             let hit = walk.find(|&(_, x, y)| is_inside(&object, &pose, x, y));
             let distance = hit.map_or(range_m, |(distance, ..)| distance);
             let expected = model.response.at(distance * model.parameters.ray_stretch).0;
-            let seen = f64::from(world.state().bodies[0].sensors[k]);
+            let seen = f64::from(world.state().bodies[0].reading.proximity[k]);
             assert!(
                 (seen - expected).abs() < 0.01 * expected + 6.0,
                 "case {case} ps{k}: {seen} {expected}"
@@ -196,10 +197,10 @@ fn nothing_moves_by_itself_and_a_reset_puts_everything_back() {
 struct AheadUntil(u64);
 
 impl Controller for AheadUntil {
-    fn act(&mut self, step: u64, _: &F8) -> [f32; 2] {
+    fn act(&mut self, step: u64, _: &Reading) -> [f32; 2] {
         if step < self.0 { [1.0; 2] } else { [0.0; 2] }
     }
-    fn learn(&mut self, _: &F8) {}
+    fn learn(&mut self, _: &Reading) {}
 }
 
 #[test]
