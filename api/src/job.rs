@@ -66,6 +66,10 @@ pub struct RunSummary {
     /// alone. Empty when nothing varies.
     #[serde(default)]
     pub label: String,
+    /// Version of the simulation that it was or will be made by; one that is not finished when the
+    /// server is replaced by one of another version starts again.
+    #[serde(default)]
+    pub results_version: u32,
     /// Where it is in its life.
     pub state: State,
     /// How far it is; null before it starts.

@@ -3,6 +3,7 @@
 //! Nothing in here does simulation arithmetic; that is `swarm`'s.
 
 pub mod artifacts;
+pub mod break_points;
 pub mod channels;
 pub mod cli;
 pub mod documents;

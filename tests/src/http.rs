@@ -82,6 +82,21 @@ impl Client {
 
     /// Sends a request with these headers and body.
     pub fn send(&self, method: &str, path: &str, headers: &[(&str, &str)], body: &[u8]) -> Answer {
+        self.try_send(method, path, headers, body)
+            .unwrap_or_else(|error| panic!("{method} {path}: {error}"))
+    }
+
+    /// Sends a request that may not be answered.
+    ///
+    /// # Errors
+    /// Why there is no answer.
+    pub fn try_send(
+        &self,
+        method: &str,
+        path: &str,
+        headers: &[(&str, &str)],
+        body: &[u8],
+    ) -> Result<Answer, ureq::Error> {
         let mut request = Request::builder()
             .method(method)
             .uri(format!("{}{path}", self.url));
@@ -93,14 +108,12 @@ impl Client {
         } else {
             self.agent.run(request.body(body).unwrap())
         };
-        let (parts, mut body) = answer
-            .unwrap_or_else(|error| panic!("{method} {path}: {error}"))
-            .into_parts();
-        Answer {
+        let (parts, mut body) = answer?.into_parts();
+        Ok(Answer {
             status: parts.status.as_u16(),
             headers: parts.headers,
-            body: body.read_to_vec().unwrap(),
-        }
+            body: body.read_to_vec()?,
+        })
     }
 
     /// `GET`.

@@ -29,6 +29,18 @@ impl Server {
 
     /// Starts a server with further arguments.
     pub fn start_with(data: &Path, arguments: &[&str]) -> Self {
+        Self::try_start(data, arguments, &[]).unwrap_or_else(|log| panic!("no server: {log}"))
+    }
+
+    /// Starts a server with further arguments and environment variables.
+    ///
+    /// # Errors
+    /// What it logged, when it ended instead of listening.
+    pub fn try_start(
+        data: &Path,
+        arguments: &[&str],
+        environment: &[(&str, &str)],
+    ) -> Result<Self, String> {
         let log = data.join("server.log");
         let mut child = Command::new(program("evswarm"))
             .args(["serve", "--listen", "127.0.0.1:0", "--data"])
@@ -37,6 +49,7 @@ impl Server {
             .env("XDG_RUNTIME_DIR", data)
             .env_remove("EVSWARM_TOKEN")
             .env_remove("RUST_LOG")
+            .envs(environment.iter().copied())
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .stderr(
@@ -63,14 +76,21 @@ impl Server {
         let line = receiver.recv_timeout(Duration::from_secs(30));
         let Ok(line) = line else {
             drop(child.kill());
-            panic!("no server: {}", fs::read_to_string(&log).unwrap());
+            drop(child.wait());
+            return Err(fs::read_to_string(&log).unwrap());
         };
         let url = line.strip_prefix("evswarm listens on ").unwrap();
-        Self {
+        Ok(Self {
             client: Client::new(url.trim_end_matches('/')),
             child,
             log,
-        }
+        })
+    }
+
+    /// Waits until the server has killed itself at the place that `EVSWARM_BREAK` names.
+    pub fn wait_until_killed(&mut self) {
+        let status = wait::for_exit(&mut self.child);
+        assert_eq!(status.code(), None, "it was not killed but ended: {status}");
     }
 
     /// Ends the server at once, as a crash or a power cut does.
@@ -79,9 +99,14 @@ impl Server {
         wait::for_exit(&mut self.child);
     }
 
+    /// Asks the server to end.
+    pub fn ask_to_end(&self) {
+        signal(&self.child, Signal::TERM);
+    }
+
     /// Asks the server to end, and waits until it has.
     pub fn terminate(mut self) -> ExitStatus {
-        signal(&self.child, Signal::TERM);
+        self.ask_to_end();
         wait::for_exit(&mut self.child)
     }
 }

@@ -3,6 +3,7 @@
 mod catalog;
 mod checkpoint;
 mod client;
+mod data;
 mod output;
 mod progress;
 mod reproduce;
@@ -64,6 +65,10 @@ enum Command {
         #[arg(long, env = "EVSWARM_TOKEN", hide_env_values = true)]
         token: Option<String>,
     },
+    /// Look through a data directory for damage: exit code 1 and a line for each fault, or 0.
+    Check(data::CheckArguments),
+    /// Copy a data directory, also while a service uses it.
+    Backup(data::BackupArguments),
     /// Post a job to a service.
     Submit(client::SubmitArguments),
     /// Show a job of a service, or its newest jobs.
@@ -121,6 +126,10 @@ fn with_arguments(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         }
     };
     log_to_stderr();
+    if let Err(error) = crate::break_points::set_from_environment() {
+        output::complain(format_args!("error: {error}"));
+        return ExitCode::from(EXIT_FAILED);
+    }
     match dispatch(arguments.command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::WrongSpec(errors)) => {
@@ -156,6 +165,8 @@ fn dispatch(command: Command) -> Result<(), Failure> {
             })?;
             Ok(())
         }
+        Command::Check(arguments) => data::check(&arguments),
+        Command::Backup(arguments) => data::backup(&arguments),
         Command::Submit(arguments) => client::submit(&arguments),
         Command::Status(arguments) => client::status(&arguments),
         Command::Summary(arguments) => client::summary(&arguments),

@@ -97,6 +97,9 @@ impl Assembler {
         if matches!(run.state, RunState::Failed { .. } | RunState::Cancelled) {
             return Err(FindingsError::NotKept(run.state.state()));
         }
+        if let RunState::Damaged { reason } = &run.state {
+            return Err(FindingsError::broken(&run.id, reason));
+        }
         // A run that has ended since it was looked up is found here too.
         if let Some(findings) = self.store.findings(run.seq)? {
             return Ok(findings);

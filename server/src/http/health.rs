@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 
 use super::App;
 use super::refusal::Refusal;
+use crate::store::StoreError;
 
 /// Where it is told that the process lives.
 const LIVE: [&str; 2] = ["/health/livez", "/healthz"];
@@ -38,12 +39,13 @@ async fn livez() -> Json<Value> {
     Json(json!({ "status": "ok" }))
 }
 
-/// `GET /health/readyz`: whether the database answers soon.
+/// `GET /health/readyz`: whether the database answers soon, and there is room.
 async fn readyz(State(app): State<App>) -> Result<Json<Value>, Refusal> {
     let not_ready = |detail: &str| Refusal::new(ProblemCode::NotReady, detail).retry_after_s(1);
     let ping = app.blocking(|app| Ok(app.store.ping()));
     match tokio::time::timeout(DATABASE_TIME, ping).await {
         Ok(Ok(Ok(()))) => Ok(Json(json!({ "status": "ok" }))),
+        Ok(Ok(Err(error @ StoreError::Full(_)))) => Err(not_ready(&error.to_string())),
         Ok(Ok(Err(error))) => {
             tracing::error!(%error, "the database does not answer");
             Err(not_ready(

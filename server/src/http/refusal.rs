@@ -46,13 +46,10 @@ impl Refusal {
         Self::new(ProblemCode::Internal, "the server failed; its log says why")
     }
 
-    /// What is stored cannot be used. The log has the reason.
+    /// What is stored cannot be used: which, and why.
     pub fn damaged(reason: &dyn std::fmt::Display) -> Self {
         tracing::error!(%reason, "stored data is damaged");
-        Self::new(
-            ProblemCode::Damaged,
-            "stored data cannot be used; the server's log says why",
-        )
+        Self::new(ProblemCode::Damaged, reason.to_string())
     }
 
     /// With the errors of a document that is not JSON.
@@ -89,7 +86,11 @@ impl IntoResponse for Refusal {
 impl From<StoreError> for Refusal {
     fn from(error: StoreError) -> Self {
         match error {
-            StoreError::Unreadable { .. } => Self::damaged(&error),
+            StoreError::Unreadable { .. } | StoreError::Damaged { .. } => Self::damaged(&error),
+            StoreError::Full(_) => {
+                tracing::error!(%error, "a request failed");
+                Self::new(ProblemCode::StoreFull, error.to_string()).retry_after_s(30)
+            }
             _ => Self::internal(&error),
         }
     }
@@ -118,6 +119,11 @@ impl From<CreateJobError> for Refusal {
                 ProblemCode::KeyReused,
                 "this Idempotency-Key was used for a job with another body",
             ),
+            CreateJobError::UnderWay => Self::new(
+                ProblemCode::KeyUnderWay,
+                "a request with this Idempotency-Key is under way; ask again",
+            )
+            .retry_after_s(1),
             CreateJobError::QueueFull { unfinished, limit } => Self::new(
                 ProblemCode::QueueFull,
                 format!("{unfinished} runs are unfinished and at most {limit} may be"),

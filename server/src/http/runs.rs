@@ -66,6 +66,7 @@ async fn result(FoundRun(run): FoundRun) -> Result<Json<RunResult>, Refusal> {
     let state = run.state.state();
     match run.state {
         RunState::Done(result) => Ok(Json(*result)),
+        RunState::Damaged { reason } => Err(Refusal::damaged(&reason)),
         _ => {
             let detail = format!("the run has no result: it is {state}");
             Err(Refusal::new(ProblemCode::NoResult, detail))

@@ -39,7 +39,7 @@ pub fn run(view: &RunView, scheduler: &Scheduler) -> RunSummary {
             eta_s: None,
             robot_steps_per_s: None,
         }),
-        RunState::Failed { .. } | RunState::Cancelled => None,
+        RunState::Failed { .. } | RunState::Damaged { .. } | RunState::Cancelled => None,
     };
     RunSummary {
         id: view.id.clone(),
@@ -49,11 +49,12 @@ pub fn run(view: &RunView, scheduler: &Scheduler) -> RunSummary {
         arena: view.arena.clone(),
         method: view.method.clone(),
         label: view.label.clone(),
+        results_version: view.results_version,
         state: view.state.state(),
         progress,
         result: view.result().cloned(),
         error: match &view.state {
-            RunState::Failed { reason } => Some(reason.clone()),
+            RunState::Failed { reason } | RunState::Damaged { reason } => Some(reason.clone()),
             _ => None,
         },
     }

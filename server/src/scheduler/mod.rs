@@ -14,13 +14,14 @@ mod submission;
 mod tests;
 
 use std::any::Any;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::num::NonZeroUsize;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
+use crate::break_points::{Place, reach};
 use crate::channels::ChannelSettings;
 use crate::store::{
     ClaimedRun, CreateJobError, Created, Intent, JobKey, JobRequest, NewJob, RunKey, StoppedRun,
@@ -56,8 +57,10 @@ pub struct SchedulerConfig {
 pub struct Scheduler {
     shared: Arc<Shared>,
     workers: Mutex<Vec<JoinHandle<()>>>,
-    /// Held while store and queue are changed together, so that both see changes in one order.
-    changing: Mutex<()>,
+    /// Jobs of which store and queue are being changed together, so that both see changes in one
+    /// order.
+    changing: Mutex<BTreeSet<JobKey>>,
+    changed_one: Condvar,
 }
 
 struct Shared {
@@ -104,6 +107,7 @@ impl Scheduler {
             shared,
             workers: Mutex::default(),
             changing: Mutex::default(),
+            changed_one: Condvar::new(),
         };
         for number in 0..workers {
             let shared = Arc::clone(&scheduler.shared);
@@ -130,7 +134,6 @@ impl Scheduler {
     /// # Errors
     /// As there; the queue holds as many runs as the scheduler was configured for.
     pub fn submit(&self, job: &NewJob) -> Result<Created, CreateJobError> {
-        let _changing = self.changing();
         let created = self
             .shared
             .store
@@ -147,7 +150,7 @@ impl Scheduler {
     /// # Errors
     /// When the store fails.
     pub fn set_intent(&self, job: JobKey, intent: Intent) -> Result<(), StoreError> {
-        let _changing = self.changing();
+        let _changing = self.change(job);
         let store = &self.shared.store;
         let changed = store.set_intent(job, intent)?;
         if intent == Intent::Active {
@@ -166,7 +169,7 @@ impl Scheduler {
     /// # Errors
     /// When the store fails.
     pub fn retry(&self, job: JobKey) -> Result<(), StoreError> {
-        let _changing = self.changing();
+        let _changing = self.change(job);
         self.shared.store.retry(job)?;
         let waiting = self.shared.store.waiting(job)?;
         self.shared.state().queue.set(job, waiting);
@@ -179,7 +182,7 @@ impl Scheduler {
     /// # Errors
     /// When the store fails.
     pub fn delete(&self, job: JobKey) -> Result<(), StoreError> {
-        let _changing = self.changing();
+        let _changing = self.change(job);
         let gone = self.shared.store.delete_job(job)?;
         self.shared.state().queue.remove(job);
         self.shared.let_go(&gone, true);
@@ -222,12 +225,39 @@ impl Scheduler {
         }
     }
 
-    fn changing(&self) -> MutexGuard<'_, ()> {
-        self.changing.lock().unwrap_or_else(PoisonError::into_inner)
+    /// Waits until nobody else changes the job.
+    fn change(&self, job: JobKey) -> Change<'_> {
+        let changing = self.changing.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_changed = |changing: &mut BTreeSet<JobKey>| changing.contains(&job);
+        let mut changing = self
+            .changed_one
+            .wait_while(changing, is_changed)
+            .unwrap_or_else(PoisonError::into_inner);
+        changing.insert(job);
+        Change {
+            scheduler: self,
+            job,
+        }
     }
 
     fn workers(&self) -> MutexGuard<'_, Vec<JoinHandle<()>>> {
         self.workers.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// While it lives, a job is changed by whoever has it alone.
+struct Change<'a> {
+    scheduler: &'a Scheduler,
+    job: JobKey,
+}
+
+impl Drop for Change<'_> {
+    fn drop(&mut self) {
+        let changing = &self.scheduler.changing;
+        let mut changing = changing.lock().unwrap_or_else(PoisonError::into_inner);
+        changing.remove(&self.job);
+        drop(changing);
+        self.scheduler.changed_one.notify_all();
     }
 }
 
@@ -273,7 +303,10 @@ impl Shared {
         loop {
             let (job, run, live) = self.take()?;
             match self.store.claim(run) {
-                Ok(Some(claimed)) => return Some((claimed, live)),
+                Ok(Some(claimed)) => {
+                    reach(Place::Claimed);
+                    return Some((claimed, live));
+                }
                 Ok(None) => self.release(run),
                 Err(error) => {
                     tracing::error!(%error, "a run cannot be claimed; trying again");
@@ -349,6 +382,7 @@ impl Shared {
                 return;
             }
         }
+        reach(Place::ResultStored);
         self.store.checkpoints().remove(id);
     }
 

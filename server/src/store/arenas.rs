@@ -87,7 +87,7 @@ impl Store {
     /// When the database fails.
     pub fn arena(&self, name: &str) -> Result<Option<String>, StoreError> {
         Ok(self
-            .connection()
+            .reader()
             .prepare_cached("SELECT body FROM arenas WHERE name = ?1")?
             .query_row([name], |row| row.get(0))
             .optional()?)
@@ -98,12 +98,19 @@ impl Store {
     /// # Errors
     /// When the database fails or holds what cannot be read.
     pub fn arenas(&self) -> Result<Vec<ArenaListing>, StoreError> {
-        self.connection()
+        self.reader()
             .prepare_cached("SELECT listing FROM arenas ORDER BY name")?
             .query_map([], |row| row.get(0))?
-            .map(|listing: rusqlite::Result<String>| {
-                serde_json::from_str(&listing?)
-                    .map_err(|error| StoreError::unreadable("listing", error))
+            .filter_map(|listing: rusqlite::Result<String>| {
+                let listing = match listing {
+                    Ok(listing) => serde_json::from_str(&listing),
+                    Err(error) => return Some(Err(error.into())),
+                };
+                // One that cannot be read does not take the list with it.
+                listing
+                    .inspect_err(|error| tracing::error!(%error, "an arena cannot be listed"))
+                    .ok()
+                    .map(Ok)
             })
             .collect()
     }

@@ -4,14 +4,19 @@
 
 use std::collections::BTreeSet;
 use std::fs::File;
-use std::io::{ErrorKind, Read, Write};
+use std::io::{ErrorKind, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
+use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use super::formats::{Blobs, Damage, findings_v0};
 use super::{Findings, StoreError};
+use crate::break_points::{Place, reach};
 
-const MAGIC: [u8; 8] = *b"EVSWCP03";
+const MAGIC: [u8; 8] = *b"EVSWCP04";
+/// Of programs that stored findings without envelopes, in one part before the snapshot.
+const MAGIC_V3: [u8; 8] = *b"EVSWCP03";
 const SUFFIX: &str = ".checkpoint";
 
 /// A run stopped on the way.
@@ -27,11 +32,28 @@ pub struct Checkpoint {
 #[derive(Debug, thiserror::Error)]
 pub enum CheckpointError {
     /// It was cut short, changed, or written by another version.
-    #[error("the checkpoint is damaged or of another version")]
-    Damaged,
+    #[error("the checkpoint of run {run} is damaged or of another version: {why}")]
+    Damaged {
+        /// The run.
+        run: String,
+        /// What is wrong with it.
+        why: Damage,
+    },
+    /// The simulation has changed since: going on from it would mix two.
+    #[error("the checkpoint is of results version {0}, this program has another")]
+    OtherResults(u32),
     /// The file could not be read.
     #[error("the checkpoint cannot be read: {0}")]
     Io(#[from] std::io::Error),
+}
+
+/// The first part of a checkpoint.
+#[derive(Serialize, Deserialize)]
+struct HeadV4 {
+    results_version: u32,
+    run: String,
+    has_metrics: bool,
+    has_objects: bool,
 }
 
 /// A directory of checkpoints, one a run at most.
@@ -45,7 +67,7 @@ impl Checkpoints {
     /// # Errors
     /// `Io` when it cannot be made.
     pub fn open(dir: &Path) -> Result<Self, StoreError> {
-        std::fs::create_dir_all(dir).map_err(StoreError::io(dir))?;
+        super::private::make_directory(dir)?;
         Ok(Self {
             dir: dir.to_owned(),
         })
@@ -54,17 +76,29 @@ impl Checkpoints {
     /// Replaces the run's checkpoint, durably.
     ///
     /// # Errors
-    /// `Io` when it cannot be written; the old one is then still there.
+    /// `Io` or `Full` when it cannot be written; the old one is then still there.
     pub fn write(&self, run: &str, checkpoint: &Checkpoint) -> Result<(), StoreError> {
         let path = self.path(run);
-        let findings = postcard::to_allocvec(&checkpoint.findings)
-            .map_err(|error| StoreError::unreadable("findings", error))?;
+        let blobs = Blobs::of(&checkpoint.findings);
+        let head = HeadV4 {
+            results_version: swarm::RESULTS_VERSION,
+            run: run.to_owned(),
+            has_metrics: blobs.metrics.is_some(),
+            has_objects: blobs.objects.is_some(),
+        };
+        let head = postcard::to_stdvec(&head)
+            .map_err(|error| StoreError::unreadable("checkpoint", error))?;
         let write = || {
             let mut file = tempfile::NamedTempFile::new_in(&self.dir)?;
             file.write_all(&MAGIC)?;
-            write_part(&mut file, &findings)?;
+            write_part(&mut file, &head)?;
+            write_part(&mut file, &blobs.coverage)?;
+            for blob in [&blobs.metrics, &blobs.objects].into_iter().flatten() {
+                write_part(&mut file, blob)?;
+            }
             write_part(&mut file, &checkpoint.snapshot)?;
             file.as_file().sync_all()?;
+            reach(Place::CheckpointRename);
             file.persist(&path)?;
             File::open(&self.dir)?.sync_all()
         };
@@ -74,14 +108,13 @@ impl Checkpoints {
     /// The run's checkpoint, when there is one.
     ///
     /// # Errors
-    /// `Damaged` when a digest does not fit, `Io` when it cannot be read.
+    /// `Damaged` when a digest does not fit, `OtherResults` when the simulation has changed since,
+    /// `Io` when it cannot be read.
     pub fn read(&self, run: &str) -> Result<Option<Checkpoint>, CheckpointError> {
         let Some(mut file) = self.open_file(run)? else {
             return Ok(None);
         };
-        let findings = read_findings(&mut file)?;
-        let snapshot = read_part(&mut file)?;
-        Ok(Some(Checkpoint { findings, snapshot }))
+        read(run, &mut file).map(Some)
     }
 
     /// What the run's checkpoint had covered, without reading the snapshot.
@@ -89,8 +122,49 @@ impl Checkpoints {
     /// # Errors
     /// As for [`Self::read`].
     pub fn findings(&self, run: &str) -> Result<Option<Findings>, CheckpointError> {
-        let file = self.open_file(run)?;
-        file.map(|mut file| read_findings(&mut file)).transpose()
+        let Some(mut file) = self.open_file(run)? else {
+            return Ok(None);
+        };
+        let findings = read_findings(run, &mut file)?;
+        // The digest of the snapshot's part, then its length.
+        let _: [u8; 32] = read_array(run, &mut file)?;
+        let left = u64::from_le_bytes(read_array(run, &mut file)?);
+        let end = file.stream_position()?.saturating_add(left);
+        if file.metadata()?.len() != end {
+            return Err(damaged(run, Damage::Digest));
+        }
+        Ok(Some(findings))
+    }
+
+    /// Copies the run's checkpoint, as it is, into another directory; nothing where there is none.
+    ///
+    /// # Errors
+    /// `Io` or `Full` when it cannot be copied.
+    pub fn copy(&self, run: &str, to: &Self) -> Result<(), StoreError> {
+        let (from, to) = (self.path(run), to.path(run));
+        let mut source = match File::open(&from) {
+            Ok(source) => source,
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
+            Err(error) => return Err(StoreError::io(&from)(error)),
+        };
+        let mut copy = super::private::open_file(&to)?;
+        std::io::copy(&mut source, &mut copy)
+            .and_then(|_| copy.sync_all())
+            .map_err(StoreError::io(&to))
+    }
+
+    /// The runs that have checkpoints.
+    ///
+    /// # Errors
+    /// `Io` when the directory cannot be listed.
+    pub fn runs(&self) -> Result<BTreeSet<String>, StoreError> {
+        let mut runs = BTreeSet::new();
+        for entry in std::fs::read_dir(&self.dir).map_err(StoreError::io(&self.dir))? {
+            let name = entry.map_err(StoreError::io(&self.dir))?.file_name();
+            let run = name.to_str().and_then(|name| name.strip_suffix(SUFFIX));
+            runs.extend(run.map(str::to_owned));
+        }
+        Ok(runs)
     }
 
     fn open_file(&self, run: &str) -> Result<Option<File>, CheckpointError> {
@@ -136,37 +210,73 @@ impl Checkpoints {
     }
 }
 
+fn damaged(run: &str, why: Damage) -> CheckpointError {
+    CheckpointError::Damaged {
+        run: run.to_owned(),
+        why,
+    }
+}
+
 fn write_part(file: &mut impl Write, part: &[u8]) -> std::io::Result<()> {
     file.write_all(&Sha256::digest(part))?;
     file.write_all(&(part.len() as u64).to_le_bytes())?;
     file.write_all(part)
 }
 
-fn read_findings(file: &mut File) -> Result<Findings, CheckpointError> {
-    if read_array(file)? != MAGIC {
-        return Err(CheckpointError::Damaged);
+fn read(run: &str, file: &mut File) -> Result<Checkpoint, CheckpointError> {
+    let findings = read_findings(run, file)?;
+    let snapshot = read_part(run, file)?;
+    match file.read(&mut [0])? {
+        0 => Ok(Checkpoint { findings, snapshot }),
+        _ => Err(damaged(run, Damage::Content("bytes are left over".into()))),
     }
-    postcard::from_bytes(&read_part(file)?).map_err(|_| CheckpointError::Damaged)
 }
 
-fn read_part(file: &mut File) -> Result<Vec<u8>, CheckpointError> {
-    let digest: [u8; 32] = read_array(file)?;
-    let length = u64::from_le_bytes(read_array(file)?);
+fn read_findings(run: &str, file: &mut File) -> Result<Findings, CheckpointError> {
+    match read_array(run, file)? {
+        MAGIC => {}
+        MAGIC_V3 => {
+            let part = read_part(run, file)?;
+            return findings_v0(&part).map_err(|why| damaged(run, why));
+        }
+        _ => return Err(damaged(run, Damage::Foreign)),
+    }
+    let head: HeadV4 = postcard::from_bytes(&read_part(run, file)?)
+        .map_err(|error| damaged(run, Damage::Content(error.to_string())))?;
+    if head.run != run {
+        let why = Damage::Content(format!("it is of run {}", head.run));
+        return Err(damaged(run, why));
+    }
+    if head.results_version != swarm::RESULTS_VERSION {
+        return Err(CheckpointError::OtherResults(head.results_version));
+    }
+    let mut part = |has: bool| has.then(|| read_part(run, file)).transpose();
+    let blobs = Blobs {
+        coverage: part(true)?.unwrap_or_default(),
+        metrics: part(head.has_metrics)?,
+        objects: part(head.has_objects)?,
+    };
+    blobs.read().map_err(|(_, why)| damaged(run, why))
+}
+
+fn read_part(run: &str, file: &mut File) -> Result<Vec<u8>, CheckpointError> {
+    let digest: [u8; 32] = read_array(run, file)?;
+    let length = u64::from_le_bytes(read_array(run, file)?);
     // A damaged length must not make us ask for more memory than the file could fill.
     let mut part = Vec::new();
     file.take(length).read_to_end(&mut part)?;
     if part.len() as u64 == length && Sha256::digest(&part).as_slice() == digest {
         Ok(part)
     } else {
-        Err(CheckpointError::Damaged)
+        Err(damaged(run, Damage::Digest))
     }
 }
 
-fn read_array<const N: usize>(file: &mut File) -> Result<[u8; N], CheckpointError> {
+fn read_array<const N: usize>(run: &str, file: &mut File) -> Result<[u8; N], CheckpointError> {
     let mut array = [0; N];
     match file.read_exact(&mut array) {
         Ok(()) => Ok(array),
-        Err(error) if error.kind() == ErrorKind::UnexpectedEof => Err(CheckpointError::Damaged),
+        Err(error) if error.kind() == ErrorKind::UnexpectedEof => Err(damaged(run, Damage::Digest)),
         Err(error) => Err(error.into()),
     }
 }
@@ -201,33 +311,44 @@ mod tests {
             checkpoints.findings("a").unwrap(),
             Some(checkpoint().findings)
         );
+        assert_eq!(checkpoints.runs().unwrap(), BTreeSet::from(["a".into()]));
         checkpoints.remove("a");
         assert!(checkpoints.read("a").unwrap().is_none());
     }
 
     #[test]
-    fn any_cut_or_changed_byte_is_noticed() {
+    fn any_cut_changed_or_added_byte_is_noticed() {
         let dir = tempfile::tempdir().unwrap();
         let checkpoints = Checkpoints::open(dir.path()).unwrap();
         checkpoints.write("a", &checkpoint()).unwrap();
         let path = dir.path().join("a.checkpoint");
         let whole = std::fs::read(&path).unwrap();
-        for cut in [0, 5, 8, 20, 40, 60, whole.len() - 1] {
-            std::fs::write(&path, &whole[..cut]).unwrap();
-            assert!(
-                matches!(checkpoints.read("a"), Err(CheckpointError::Damaged)),
-                "cut at {cut}"
-            );
+        let is_noticed = |bytes: &[u8]| {
+            std::fs::write(&path, bytes).unwrap();
+            matches!(checkpoints.read("a"), Err(CheckpointError::Damaged { .. }))
+        };
+        for cut in 0..whole.len() {
+            assert!(is_noticed(&whole[..cut]), "cut at {cut}");
+            assert!(checkpoints.findings("a").is_err(), "cut at {cut}");
         }
-        for at in (0..whole.len()).step_by(37) {
+        assert!(is_noticed(&[&whole[..], b"\0"].concat()));
+        assert!(checkpoints.findings("a").is_err());
+        for at in 0..whole.len() {
             let mut changed = whole.clone();
             changed[at] ^= 1;
-            std::fs::write(&path, &changed).unwrap();
-            assert!(
-                matches!(checkpoints.read("a"), Err(CheckpointError::Damaged)),
-                "byte {at}"
-            );
+            assert!(is_noticed(&changed), "byte {at}");
         }
+        assert!(!is_noticed(&whole));
+    }
+
+    #[test]
+    fn a_checkpoint_of_another_run_is_not_taken() {
+        let dir = tempfile::tempdir().unwrap();
+        let checkpoints = Checkpoints::open(dir.path()).unwrap();
+        checkpoints.write("a", &checkpoint()).unwrap();
+        let (a, b) = (checkpoints.path("a"), checkpoints.path("b"));
+        std::fs::rename(a, b).unwrap();
+        assert!(checkpoints.read("b").is_err());
     }
 
     #[test]

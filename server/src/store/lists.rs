@@ -56,7 +56,7 @@ impl Store {
         after: Option<JobKey>,
         limit: u32,
     ) -> Result<Page<JobView, JobKey>, StoreError> {
-        let connection = self.connection();
+        let connection = self.reader();
         let (order, start) = match filter.oldest_first {
             true => ("seq > ?1 AND {} ORDER BY seq", JobKey::default()),
             false => ("seq < ?1 AND {} ORDER BY seq DESC", JobKey::MAX),
@@ -64,7 +64,7 @@ impl Store {
         let named = "(?2 IS NULL OR instr(lower(name), lower(?2)) > 0)";
         let heads = connection
             .prepare_cached(&format!(
-                "{} WHERE {} LIMIT ?3",
+                "{} AND {} LIMIT ?3",
                 jobs::COLUMNS,
                 order.replace("{}", named)
             ))?
@@ -100,16 +100,17 @@ impl Store {
         limit: u32,
     ) -> Result<Page<RunView, RunKey>, StoreError> {
         let mut items = self
-            .connection()
+            .reader()
             .prepare_cached(&format!(
-                "{} WHERE runs.seq < ?1
+                "{} WHERE {} AND runs.seq < ?1
                     AND (?2 IS NULL OR state = ?2) AND (?3 IS NULL OR method = ?3)
                     AND (?4 IS NULL OR arena = ?4)
                     AND (job, ordinal) = (SELECT job, ordinal FROM job_runs of
                         WHERE of.run = runs.seq AND (?5 IS NULL OR of.job = ?5)
                         ORDER BY job, ordinal LIMIT 1)
                  ORDER BY runs.seq DESC LIMIT ?6",
-                runs::VIEW
+                runs::VIEW,
+                runs::VISIBLE
             ))?
             .query_map(
                 params![

@@ -1,6 +1,6 @@
 //! One process a data directory: an advisory lock that the system drops with the process.
 
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::{File, TryLockError};
 use std::io::{Read, Seek, Write};
 use std::path::Path;
 
@@ -12,13 +12,7 @@ use super::StoreError;
 /// `InUse` when another process holds it, `Io` when the file cannot be opened.
 pub fn acquire(dir: &Path) -> Result<File, StoreError> {
     let path = dir.join("lock");
-    let mut file = OpenOptions::new()
-        .read(true)
-        .write(true)
-        .create(true)
-        .truncate(false)
-        .open(&path)
-        .map_err(StoreError::io(&path))?;
+    let mut file = super::private::open_file(&path)?;
     match file.try_lock() {
         Ok(()) => {}
         Err(TryLockError::WouldBlock) => {

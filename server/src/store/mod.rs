@@ -1,98 +1,68 @@
 //! What must outlive the process: jobs, runs, results, uploaded arenas and checkpoints.
 //!
-//! One SQLite connection behind a mutex (every call blocks: never on an async thread), with WAL and
-//! `synchronous = FULL`, so that what was acknowledged survives a crash of process or machine.
+//! SQLite with WAL and `synchronous = FULL`, so that what was acknowledged survives a crash of
+//! process or machine. One connection writes, behind a mutex; a few read and never wait for it. Every
+//! call blocks: never on an async thread.
 
 mod arenas;
+mod backup;
+mod changes;
+mod check;
 mod checkpoints;
+mod creation;
+mod error;
+mod formats;
 mod jobs;
 mod keys;
 mod lists;
 mod lock;
+mod look;
+mod migrations;
+mod private;
+mod readers;
 mod results;
 mod runs;
 mod state;
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicU64;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use readers::{Reader, Readers};
 use rusqlite::Connection;
 
 pub use arenas::{ArenaDeletion, SaveArenaError, StoredArena};
+pub use backup::backup;
+pub use check::{Checked, check};
 pub use checkpoints::{Checkpoint, CheckpointError, Checkpoints};
-pub use jobs::{CreateJobError, Created, JobRequest, JobView, NewJob, NewRun, RunningRun};
+pub use creation::{CreateJobError, Created, JobRequest, NewJob, NewRun};
+pub use error::StoreError;
+pub use jobs::{JobView, RunningRun};
 pub use keys::{JobKey, RunKey};
 pub use lists::{JobFilter, RunFilter};
 pub use results::{Findings, Finished};
 pub use runs::{ClaimedRun, RunView, StoppedRun};
 pub use state::{Intent, Position, RunState};
 
-mod migrations {
-    refinery::embed_migrations!("src/store/migrations");
-}
+/// The database's file in a data directory.
+const DATABASE: &str = "evswarm.sqlite3";
+/// The folder of checkpoints.
+const CHECKPOINTS: &str = "checkpoints";
 
-/// Why the store could not be opened or did not answer.
-#[derive(Debug, thiserror::Error)]
-pub enum StoreError {
-    /// Another process uses the data directory.
-    #[error("the data directory {} is in use by another evswarm{}", .dir.display(), .pid.map(|p| format!(" (process {p})")).unwrap_or_default())]
-    InUse {
-        /// The directory.
-        dir: PathBuf,
-        /// The other process, when it said who it is.
-        pid: Option<u32>,
-    },
-    /// A file or directory could not be read or written.
-    #[error("cannot use {}: {source}", .path.display())]
-    Io {
-        /// The file or directory.
-        path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
-    /// The database is of a later version or its migration failed.
-    #[error("the database cannot be brought up to date: {0}")]
-    Migration(#[from] refinery::Error),
-    /// SQLite failed.
-    #[error("the database failed: {0}")]
-    Sqlite(#[from] rusqlite::Error),
-    /// A worker thread could not be started.
-    #[error("a worker thread cannot be started: {source}")]
-    Thread {
-        /// What the system said.
-        source: std::io::Error,
-    },
-    /// A row holds what this version cannot read.
-    #[error("the database holds an unreadable {what}: {detail}")]
-    Unreadable {
-        /// Kind of value.
-        what: &'static str,
-        /// Why it cannot be read.
-        detail: String,
-    },
-}
-
-impl StoreError {
-    fn io(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
-        let path = path.to_owned();
-        move |source| Self::Io { path, source }
-    }
-
-    fn unreadable(what: &'static str, detail: impl ToString) -> Self {
-        Self::Unreadable {
-            what,
-            detail: detail.to_string(),
-        }
-    }
-}
+/// Room below which the store is not ready for more, bytes.
+const LEAST_ROOM_BYTES: u64 = 16 << 20;
 
 /// Most memory for pages of the database, KiB: the largest job's index of runs fits.
 const CACHE_KIB: i64 = 64 << 10;
 
 /// The open data directory; at most one process at a time holds it.
 pub struct Store {
+    dir: PathBuf,
+    readers: Readers,
     connection: Mutex<Connection>,
+    /// Runs of jobs that are being stored which have no row yet.
+    reserved_runs: AtomicU64,
     checkpoints: Checkpoints,
     _lock: std::fs::File,
 }
@@ -101,21 +71,29 @@ impl Store {
     /// Opens the data directory, makes it when it is missing, and migrates its database.
     ///
     /// # Errors
-    /// `InUse` when another process holds it, `Io`, `Migration` or `Sqlite` when it cannot be used.
+    /// `InUse` when another process holds it, `Suspicious` when its database is not what was left
+    /// there, `Io`, `Full`, `Migration` or `Sqlite` when it cannot be used.
     pub fn open(dir: &Path) -> Result<Self, StoreError> {
-        std::fs::create_dir_all(dir).map_err(StoreError::io(dir))?;
+        private::make_directory(dir)?;
         let lock = lock::acquire(dir)?;
-        let checkpoints = Checkpoints::open(&dir.join("checkpoints"))?;
-        let mut connection = Connection::open(dir.join("evswarm.sqlite3"))?;
+        let checkpoints = Checkpoints::open(&dir.join(CHECKPOINTS))?;
+        let path = dir.join(DATABASE);
+        look::at_file(&path, &checkpoints)?;
+        private::open_file(&path)?;
+        let mut connection = Connection::open(&path)?;
         connection.pragma_update(None, "journal_mode", "WAL")?;
         connection.pragma_update(None, "synchronous", "FULL")?;
         connection.pragma_update(None, "foreign_keys", "ON")?;
         connection.pragma_update(None, "cache_size", -CACHE_KIB)?;
         connection.busy_timeout(Duration::from_secs(10))?;
         connection.set_prepared_statement_cache_capacity(64);
-        migrations::migrations::runner().run(&mut connection)?;
+        look::through(&path, &connection)?;
+        migrations::run(&mut connection)?;
         Ok(Self {
+            dir: dir.to_owned(),
+            readers: Readers::open(&path)?,
             connection: Mutex::new(connection),
+            reserved_runs: AtomicU64::new(0),
             checkpoints,
             _lock: lock,
         })
@@ -126,12 +104,26 @@ impl Store {
         &self.checkpoints
     }
 
-    /// Whether the database answers.
+    /// Whether the database answers, and there is room to store what comes.
     ///
     /// # Errors
-    /// When it does not.
+    /// When it does not; `Full` when there is no room.
     pub fn ping(&self) -> Result<(), StoreError> {
-        Ok(self.connection().query_row("SELECT 1", [], |_| Ok(()))?)
+        let stat = rustix::fs::statvfs(&self.dir)
+            .map_err(|error| StoreError::io(&self.dir)(error.into()))?;
+        let room_bytes = stat.f_bavail.saturating_mul(stat.f_frsize);
+        if room_bytes < LEAST_ROOM_BYTES {
+            let dir = self.dir.display();
+            return Err(StoreError::Full(format!(
+                "{room_bytes} bytes are left in {dir}"
+            )));
+        }
+        Ok(self.reader().query_row("SELECT 1", [], |_| Ok(()))?)
+    }
+
+    /// A connection that reads, and never waits for the one that writes.
+    fn reader(&self) -> Reader<'_> {
+        self.readers.get()
     }
 
     // A panic while the mutex was held left at worst an open transaction, which its guard rolled back.

@@ -1,14 +1,15 @@
 //! What runs found: coverage while they run, and the result once they are done.
 
 use rusqlite::{OptionalExtension, params};
-use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 use swarm::run::{CurveRow, MetricsLog, Tracks};
 
+use super::formats::Blobs;
 use super::keys::RunKey;
 use super::{Store, StoreError};
 
 /// What a run has covered so far.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Findings {
     /// One row a completed counted epoch.
     pub curve: Vec<CurveRow>,
@@ -33,46 +34,31 @@ pub struct Finished {
     pub cpu_ns_per_robot_step: Option<f64>,
 }
 
-/// Findings, metrics and objects of a result; the last two are younger than the first.
-type Blobs = (Vec<u8>, Option<Vec<u8>>, Option<Vec<u8>>);
-
-fn read<T: serde::de::DeserializeOwned>(what: &'static str, blob: &[u8]) -> Result<T, StoreError> {
-    postcard::from_bytes(blob).map_err(|error| StoreError::unreadable(what, error))
-}
-
-/// What a column holds that older versions did not have.
-fn read_or_default<T: serde::de::DeserializeOwned + Default>(
-    what: &'static str,
-    blob: Option<Vec<u8>>,
-) -> Result<T, StoreError> {
-    blob.map_or_else(|| Ok(T::default()), |blob| read(what, &blob))
-}
-
-fn write(what: &'static str, value: &impl Serialize) -> Result<Vec<u8>, StoreError> {
-    postcard::to_allocvec(value).map_err(|error| StoreError::unreadable(what, error))
-}
-
 impl Store {
     /// The coverage of a finished run; `None` when it is not finished.
     ///
     /// # Errors
-    /// When the database fails or holds what cannot be read.
+    /// When the database fails, `Damaged` when what it holds of the run cannot be used.
     pub fn findings(&self, run: RunKey) -> Result<Option<Findings>, StoreError> {
-        let blobs: Option<Blobs> = self
-            .connection()
-            .prepare_cached("SELECT coverage, metrics, objects FROM results WHERE run = ?1")?
-            .query_row([run], |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?)))
+        let found = self
+            .reader()
+            .prepare_cached(
+                "SELECT id, coverage, metrics, objects
+                 FROM results JOIN runs ON runs.seq = results.run WHERE run = ?1",
+            )?
+            .query_row([run], |row| {
+                let blobs = Blobs {
+                    coverage: row.get(1)?,
+                    metrics: row.get(2)?,
+                    objects: row.get(3)?,
+                };
+                Ok((row.get::<_, String>(0)?, blobs))
+            })
             .optional()?;
-        blobs
-            .map(|(coverage, metrics, objects)| {
-                let (curve, visits, dwell) = read("coverage", &coverage)?;
-                Ok(Findings {
-                    curve,
-                    visits,
-                    dwell,
-                    metrics: read_or_default("metrics", metrics)?,
-                    tracks: read_or_default("objects", objects)?,
-                })
+        found
+            .map(|(id, blobs)| {
+                let read = blobs.read();
+                read.map_err(|(kind, why)| StoreError::damaged(kind.name(), id, why))
             })
             .transpose()
     }
@@ -83,7 +69,7 @@ impl Store {
     /// When the database fails.
     pub fn cost(&self, run: RunKey) -> Result<Option<f64>, StoreError> {
         Ok(self
-            .connection()
+            .reader()
             .prepare_cached("SELECT cpu_ns_per_robot_step FROM results WHERE run = ?1")?
             .query_row([run], |row| row.get(0))
             .optional()?
@@ -96,20 +82,10 @@ impl Store {
     /// # Errors
     /// When the database fails; nothing is stored then.
     pub fn finish(&self, run: RunKey, finished: &Finished) -> Result<bool, StoreError> {
-        let Findings {
-            curve,
-            visits,
-            dwell,
-            metrics,
-            tracks,
-        } = &finished.findings;
-        let coverage = write("coverage", &(curve, visits, dwell))?;
-        let metrics = write("metrics", metrics)?;
-        let objects = (!tracks.is_empty())
-            .then(|| write("objects", tracks))
-            .transpose()?;
+        let blobs = Blobs::of(&finished.findings);
         let result = serde_json::to_string(&finished.result)
             .map_err(|error| StoreError::unreadable("result", error))?;
+        let digest = Sha256::digest(&result);
         let mut connection = self.connection();
         let transaction = connection.transaction()?;
         let changed = transaction
@@ -124,15 +100,16 @@ impl Store {
         }
         transaction
             .prepare_cached(
-                "INSERT INTO results (run, result, coverage, metrics, objects, cpu_ns_per_robot_step)
-                 VALUES (?1, ?2, ?3, ?4, ?5, ?6)",
+                "INSERT INTO results (run, result, result_sha256, coverage, metrics, objects, cpu_ns_per_robot_step)
+                 VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)",
             )?
             .execute(params![
                 run,
                 result,
-                coverage,
-                metrics,
-                objects,
+                &digest[..],
+                blobs.coverage,
+                blobs.metrics,
+                blobs.objects,
                 finished.cpu_ns_per_robot_step
             ])?;
         transaction.commit()?;

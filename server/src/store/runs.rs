@@ -2,6 +2,7 @@
 
 use api::RunResult;
 use rusqlite::{Connection, OptionalExtension, Row, params};
+use sha2::{Digest, Sha256};
 
 use super::keys::{JobKey, RunKey};
 use super::state::{Position, RunState};
@@ -48,6 +49,8 @@ pub struct RunView {
     pub label: String,
     /// Where it is in its life.
     pub state: RunState,
+    /// Version of the simulation that it was or will be made by.
+    pub results_version: u32,
     /// Counted epochs in all.
     pub epochs_total: u32,
     /// Robot-steps in all.
@@ -67,11 +70,15 @@ impl RunView {
 /// Runs that are read at once.
 const PAGE: u32 = 1_000;
 
-pub(super) const VIEW: &str =
-    "SELECT runs.seq, id, job, ordinal, seed, arena, method, state, phase,
-        epochs_done, robot_steps_done, reason, epochs_total, robot_steps_total, result, label
+pub(super) const VIEW: &str = "SELECT runs.seq, id, job, ordinal, seed, arena, method, state, phase,
+        epochs_done, robot_steps_done, reason, epochs_total, robot_steps_total, result, result_sha256, label,
+        results_version
     FROM job_runs JOIN runs ON runs.seq = job_runs.run
     LEFT JOIN results ON results.run = runs.seq";
+
+/// Not of a job that is being stored or deleted.
+pub(super) const VISIBLE: &str = "NOT EXISTS (SELECT 1 FROM jobs WHERE jobs.seq = job_runs.job
+        AND unfinished IN ('creating', 'starting', 'deleting'))";
 
 impl Store {
     /// Makes runs wait again that a dead process held; removes checkpoints that nothing needs.
@@ -80,11 +87,13 @@ impl Store {
     /// # Errors
     /// When the database fails or the checkpoints cannot be listed.
     pub fn recover(&self) -> Result<Vec<(JobKey, RunKey)>, StoreError> {
+        self.end_unfinished()?;
         let connection = self.connection();
         connection.execute(
             "UPDATE runs SET state = 'queued' WHERE state = 'running'",
             [],
         )?;
+        self.start_anew(&connection)?;
         let unfinished = connection
             .prepare("SELECT id FROM runs WHERE state IN ('queued', 'paused')")?
             .query_map([], |row| row.get(0))?
@@ -101,13 +110,40 @@ impl Store {
         Ok(waiting)
     }
 
+    /// Makes unfinished runs of another results version start again under the present one.
+    fn start_anew(&self, connection: &Connection) -> Result<(), StoreError> {
+        let runs: Vec<String> = connection
+            .prepare(
+                "SELECT id FROM runs WHERE state IN ('queued', 'paused') AND results_version <> ?1",
+            )?
+            .query_map([swarm::RESULTS_VERSION], |row| row.get(0))?
+            .collect::<Result<_, _>>()?;
+        // Should the process end in between, the runs have their old version still.
+        for run in &runs {
+            self.checkpoints().remove(run);
+        }
+        if !runs.is_empty() {
+            tracing::warn!(
+                runs = runs.len(),
+                "unfinished runs of another version of the simulation start again"
+            );
+            connection.execute(
+                "UPDATE runs SET results_version = ?1, phase = NULL, epochs_done = 0,
+                    robot_steps_done = 0
+                 WHERE state IN ('queued', 'paused') AND results_version <> ?1",
+                [swarm::RESULTS_VERSION],
+            )?;
+        }
+        Ok(())
+    }
+
     /// The job's waiting runs, in order.
     ///
     /// # Errors
     /// When the database fails.
     pub fn waiting(&self, job: JobKey) -> Result<Vec<RunKey>, StoreError> {
         Ok(self
-            .connection()
+            .reader()
             .prepare_cached(
                 "SELECT run FROM job_runs JOIN runs ON runs.seq = run
                  WHERE job = ?1 AND state = 'queued' ORDER BY ordinal",
@@ -205,7 +241,7 @@ impl Store {
     /// When the database fails.
     pub fn is_unfinished(&self, run: RunKey) -> Result<bool, StoreError> {
         Ok(self
-            .connection()
+            .reader()
             .prepare_cached(
                 "SELECT EXISTS (SELECT 1 FROM runs
                  WHERE seq = ?1 AND state IN ('queued', 'running', 'paused'))",
@@ -218,9 +254,9 @@ impl Store {
     /// # Errors
     /// When the database fails or holds what cannot be read.
     pub fn run(&self, id: &str) -> Result<Option<RunView>, StoreError> {
-        self.connection()
+        self.reader()
             .prepare_cached(&format!(
-                "{VIEW} WHERE id = ?1 ORDER BY job, ordinal LIMIT 1"
+                "{VIEW} WHERE id = ?1 AND {VISIBLE} ORDER BY job, ordinal LIMIT 1"
             ))?
             .query_row([id], |row| Ok(view(row)))
             .optional()?
@@ -233,7 +269,7 @@ impl Store {
     /// When the database fails.
     pub fn spec(&self, run: RunKey) -> Result<Option<String>, StoreError> {
         Ok(self
-            .connection()
+            .reader()
             .prepare_cached("SELECT spec FROM runs WHERE seq = ?1")?
             .query_row([run], |row| row.get(0))
             .optional()?)
@@ -260,7 +296,7 @@ impl Store {
     /// # Errors
     /// When the database fails or holds what cannot be read.
     pub fn runs(&self, job: JobKey, from: u64, limit: u32) -> Result<Vec<RunView>, StoreError> {
-        self.connection()
+        self.reader()
             .prepare_cached(&format!(
                 "{VIEW} WHERE job = ?1 AND ordinal >= ?2 ORDER BY ordinal LIMIT ?3"
             ))?
@@ -271,27 +307,33 @@ impl Store {
     }
 }
 
-/// Brings the unfinished runs of a job in line with what their jobs want: run, hold or drop.
-pub fn settle(connection: &Connection, job: JobKey) -> rusqlite::Result<Vec<StoppedRun>> {
-    connection
-        .prepare_cached(
-            "WITH wants AS (
-                SELECT mine.run AS run, max(CASE jobs.intent WHEN 'active' THEN 2 WHEN 'paused' THEN 1 ELSE 0 END) AS want
-                FROM job_runs mine JOIN job_runs every ON every.run = mine.run
-                JOIN jobs ON jobs.seq = every.job
-                WHERE mine.job = ?1 GROUP BY mine.run)
-             UPDATE runs SET state = CASE want WHEN 2 THEN 'queued' WHEN 1 THEN 'paused' ELSE 'cancelled' END
-             FROM wants WHERE runs.seq = wants.run AND (
-                (want = 2 AND state = 'paused')
-                OR (want = 1 AND state IN ('queued', 'running'))
-                OR (want = 0 AND state IN ('queued', 'running', 'paused')))
-             RETURNING seq, id",
-        )?
-        .query_map([job], |row| Ok(StoppedRun { seq: row.get(0)?, id: row.get(1)? }))?
-        .collect()
+/// A row as a run. One that cannot be read does not take a whole list with it: it is a run that
+/// says so.
+pub(super) fn view(row: &Row<'_>) -> Result<RunView, StoreError> {
+    view_whole(row).or_else(|error| {
+        let id: String = row.get("id")?;
+        tracing::error!(run = id, %error, "a run cannot be read");
+        Ok(RunView {
+            seq: row.get("seq")?,
+            id,
+            job: row.get("job")?,
+            ordinal: from_sql(row.get("ordinal")?),
+            seed: row.get("seed").map_or(0, from_sql),
+            arena: row.get("arena").unwrap_or_default(),
+            method: row.get("method").unwrap_or_default(),
+            label: row.get("label").unwrap_or_default(),
+            state: RunState::Damaged {
+                reason: error.to_string(),
+            },
+            results_version: row.get("results_version").unwrap_or_default(),
+            epochs_total: row.get("epochs_total").unwrap_or_default(),
+            robot_steps_total: row.get("robot_steps_total").map_or(0, from_sql),
+        })
+    })
 }
 
-pub(super) fn view(row: &Row<'_>) -> Result<RunView, StoreError> {
+fn view_whole(row: &Row<'_>) -> Result<RunView, StoreError> {
+    let id: String = row.get("id")?;
     let state: String = row.get("state")?;
     let phase: Option<String> = row.get("phase")?;
     let epochs_done = row.get("epochs_done")?;
@@ -302,13 +344,14 @@ pub(super) fn view(row: &Row<'_>) -> Result<RunView, StoreError> {
         robot_steps_done,
     });
     let result: Option<String> = row.get("result")?;
+    let digest: Option<Vec<u8>> = row.get("result_sha256")?;
     let result = result
-        .map(|text| serde_json::from_str(&text))
+        .map(|text| read_result(&text, digest.as_deref()))
         .transpose()
-        .map_err(|error| StoreError::unreadable("result", error))?;
+        .map_err(|why| StoreError::damaged("result", &id, why))?;
     Ok(RunView {
         seq: row.get("seq")?,
-        id: row.get("id")?,
+        id,
         job: row.get("job")?,
         ordinal: from_sql(row.get("ordinal")?),
         seed: from_sql(row.get("seed")?),
@@ -316,7 +359,15 @@ pub(super) fn view(row: &Row<'_>) -> Result<RunView, StoreError> {
         method: row.get("method")?,
         label: row.get("label")?,
         state: RunState::from_columns(&state, position, row.get("reason")?, result)?,
+        results_version: row.get("results_version")?,
         epochs_total: row.get("epochs_total")?,
         robot_steps_total: from_sql(row.get("robot_steps_total")?),
     })
+}
+
+fn read_result(text: &str, digest: Option<&[u8]>) -> Result<RunResult, String> {
+    if digest != Some(&Sha256::digest(text)[..]) {
+        return Err("its digest does not match".to_owned());
+    }
+    serde_json::from_str(text).map_err(|error| error.to_string())
 }

@@ -80,6 +80,11 @@ pub enum RunState {
     },
     /// Stopped on request for good.
     Cancelled,
+    /// What is stored of it cannot be read.
+    Damaged {
+        /// Why not.
+        reason: String,
+    },
 }
 
 impl RunState {
@@ -118,7 +123,7 @@ impl RunState {
             Self::Running => State::Running,
             Self::Paused(_) => State::Paused,
             Self::Done(_) => State::Done,
-            Self::Failed { .. } => State::Failed,
+            Self::Failed { .. } | Self::Damaged { .. } => State::Failed,
             Self::Cancelled => State::Cancelled,
         }
     }

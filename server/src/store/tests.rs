@@ -145,51 +145,167 @@ fn a_new_store_and_an_old_one_are_migrated() {
 }
 
 #[test]
-fn results_of_versions_without_objects_stay_readable() {
+fn files_are_for_their_owner_alone() {
+    use std::os::unix::fs::PermissionsExt;
     let dir = tempfile::tempdir().unwrap();
-    let Findings {
-        curve,
-        visits,
-        dwell,
-        metrics,
-        ..
-    } = finished().findings;
-    {
-        let mut old = Connection::open(dir.path().join("evswarm.sqlite3")).unwrap();
-        let runner = migrations::migrations::runner().set_target(refinery::Target::Version(3));
-        runner.run(&mut old).unwrap();
-        old.execute(
-            "INSERT INTO runs (id, seed, arena, method, state, epochs_total, robot_steps_total, spec)
-             VALUES ('a', 1, 'maze', 'im', 'done', 1, 1, '{}')",
-            [],
-        )
-        .unwrap();
-        // The layout as it was, field by field.
-        let metrics = (
-            metrics.reachable,
-            &metrics.rows,
-            &metrics.robots,
-            &metrics.first_entry,
-        );
-        old.execute(
-            "INSERT INTO results (run, result, coverage, metrics) VALUES (1, '{}', ?1, ?2)",
-            (
-                postcard::to_allocvec(&(&curve, &visits, &dwell)).unwrap(),
-                postcard::to_allocvec(&metrics).unwrap(),
-            ),
-        )
-        .unwrap();
+    let data = dir.path().join("data");
+    let store = open(&data);
+    create(&store, &["a"]);
+    let mode = |path: &Path| path.metadata().unwrap().permissions().mode() & 0o777;
+    assert_eq!(mode(&data), 0o700);
+    for entry in std::fs::read_dir(&data).unwrap() {
+        let path = entry.unwrap().path();
+        let expected = if path.is_dir() { 0o700 } else { 0o600 };
+        assert_eq!(mode(&path), expected, "{}", path.display());
     }
-    let read = open(dir.path()).findings(RunKey(1)).unwrap().unwrap();
-    assert!(read.tracks.is_empty());
-    let expected = Findings {
-        curve,
-        visits,
-        dwell,
-        metrics,
-        tracks: Default::default(),
+}
+
+/// Stores a finished run, changes its row by hand, and opens the store again.
+fn tampered(change: &str) -> (tempfile::TempDir, Store) {
+    let dir = tempfile::tempdir().unwrap();
+    let store = open(dir.path());
+    let (_, waiting) = create(&store, &["a", "b"]);
+    store.claim(waiting[0]).unwrap().unwrap();
+    store.finish(waiting[0], &finished()).unwrap();
+    store.connection().execute_batch(change).unwrap();
+    drop(store);
+    let store = open(dir.path());
+    (dir, store)
+}
+
+#[test]
+fn a_changed_cut_or_longer_blob_is_damaged() {
+    for column in ["coverage", "metrics", "objects"] {
+        let hex = format!("hex({column})");
+        for new in [
+            // The last byte but one digit; cut; longer.
+            format!(
+                "unhex(substr({hex}, 1, length({hex}) - 1) || (CASE substr({hex}, -1) WHEN '0' THEN '1' ELSE '0' END))"
+            ),
+            format!("unhex(substr({hex}, 1, length({hex}) - 2))"),
+            format!("unhex({hex} || '00')"),
+        ] {
+            let (_dir, store) = tampered(&format!("UPDATE results SET {column} = {new}"));
+            let run = store.run("a").unwrap().unwrap();
+            let error = store.findings(run.seq).unwrap_err();
+            let is_it = matches!(&error, StoreError::Damaged { what, run, .. } if *what == column && run == "a");
+            assert!(is_it, "{new}: {error}");
+        }
+    }
+}
+
+#[test]
+fn a_damaged_result_does_not_take_the_list() {
+    for change in [
+        "UPDATE results SET result = replace(result, '1234', '1235')",
+        "UPDATE results SET result = substr(result, 1, 20)",
+        "UPDATE results SET result = result || ' '",
+        "UPDATE results SET result_sha256 = NULL",
+        "UPDATE job_runs SET label = CAST(x'ff' AS TEXT) WHERE ordinal = 0",
+        "DELETE FROM results",
+    ] {
+        let (_dir, store) = tampered(change);
+        let runs = store.runs(JobKey(1), 0, 10).unwrap();
+        let is_damaged = |run: &RunView| matches!(run.state, RunState::Damaged { .. });
+        assert_eq!(runs.len(), 2, "{change}");
+        assert!(
+            is_damaged(&runs[0]) && !is_damaged(&runs[1]),
+            "{change}: {runs:?}"
+        );
+    }
+}
+
+#[test]
+fn a_database_that_was_cut_emptied_or_replaced_is_refused_and_checkpoints_stay() {
+    let (dir, store) = tampered("SELECT 1");
+    let checkpoint = Checkpoint {
+        findings: Findings::default(),
+        snapshot: vec![1, 2, 3],
     };
-    assert_eq!(read, expected);
+    store.checkpoints().write("b", &checkpoint).unwrap();
+    drop(store);
+    let path = dir.path().join("evswarm.sqlite3");
+    let whole = std::fs::read(&path).unwrap();
+    let mut torn = whole.clone();
+    let middle = torn.len() / 2 / 4096 * 4096;
+    torn[middle..middle + 8192].fill(0);
+    for (what, bytes) in [
+        ("emptied", &[][..]),
+        ("cut", &whole[..whole.len() / 2]),
+        ("cut in the first page", &whole[..50]),
+        ("replaced", b"this is not a database, but a text of more than a hundred bytes, such as someone might put here"),
+        ("torn", &torn),
+    ] {
+        std::fs::write(&path, bytes).unwrap();
+        let error = Store::open(dir.path()).err().unwrap();
+        assert!(matches!(error, StoreError::Suspicious { .. }), "{what}: {error}");
+        assert_eq!(std::fs::read(&path).unwrap(), bytes, "{what}");
+    }
+    std::fs::remove_file(&path).unwrap();
+    assert!(Store::open(dir.path()).is_err(), "missing");
+    std::fs::write(&path, whole).unwrap();
+    let store = open(dir.path());
+    store.recover().unwrap();
+    assert_eq!(store.checkpoints().read("b").unwrap(), Some(checkpoint));
+}
+
+#[test]
+fn a_full_disk_is_told_apart() {
+    let dir = tempfile::tempdir().unwrap();
+    let store = open(dir.path());
+    create(&store, &["a"]);
+    let set = |pages: i64| {
+        let connection = store.connection();
+        let sql = format!("PRAGMA max_page_count = {pages}");
+        connection.query_row(&sql, [], |_| Ok(())).unwrap();
+    };
+    set(1);
+    let large = NewJob {
+        design: "x".repeat(100_000),
+        ..new_job(&["b"])
+    };
+    let error = store.create_job(&large, 10).unwrap_err();
+    assert!(
+        matches!(error, CreateJobError::Store(StoreError::Full(_))),
+        "{error}"
+    );
+    set(1_000_000);
+    assert_eq!(store.jobs(None, 10).unwrap().len(), 1);
+    store.create_job(&large, 10).unwrap();
+}
+
+#[test]
+fn unfinished_runs_of_another_results_version_start_again() {
+    let dir = tempfile::tempdir().unwrap();
+    let store = open(dir.path());
+    let (_, waiting) = create(&store, &["a", "b", "c"]);
+    for run in &waiting[..2] {
+        store.claim(*run).unwrap().unwrap();
+    }
+    store.park(waiting[0], &position(), 1_000).unwrap();
+    store.finish(waiting[1], &finished()).unwrap();
+    let checkpoint = Checkpoint {
+        findings: Findings::default(),
+        snapshot: vec![1, 2, 3],
+    };
+    store.checkpoints().write("a", &checkpoint).unwrap();
+    store.checkpoints().write("c", &checkpoint).unwrap();
+    store
+        .connection()
+        .execute("UPDATE runs SET results_version = 0 WHERE id <> 'c'", [])
+        .unwrap();
+    drop(store);
+    let store = open(dir.path());
+    store.recover().unwrap();
+    let of = |id: &str| store.run(id).unwrap().unwrap();
+    assert_eq!(of("a").state, RunState::Queued(None));
+    assert_eq!(of("a").results_version, swarm::RESULTS_VERSION);
+    assert!(store.checkpoints().read("a").unwrap().is_none());
+    assert!(store.checkpoints().read("c").unwrap().is_some());
+    assert_eq!(
+        (of("b").results_version, of("b").state.state()),
+        (0, State::Done)
+    );
 }
 
 #[test]
@@ -473,4 +589,118 @@ fn an_arena_in_use_stays() {
     store.delete_job(job).unwrap();
     assert_eq!(store.delete_arena("mine").unwrap(), ArenaDeletion::Deleted);
     assert_eq!(store.delete_arena("mine").unwrap(), ArenaDeletion::Unknown);
+}
+
+#[test]
+fn check_finds_every_damage_and_a_backup_is_whole() {
+    let dir = tempfile::tempdir().unwrap();
+    let (data, copy) = (dir.path().join("data"), dir.path().join("copy"));
+    let store = open(&data);
+    let (_, waiting) = create(&store, &["a", "b"]);
+    store.claim(waiting[0]).unwrap().unwrap();
+    store.finish(waiting[0], &finished()).unwrap();
+    let checkpoint = Checkpoint {
+        findings: finished().findings,
+        snapshot: vec![1, 2, 3],
+    };
+    store.checkpoints().write("b", &checkpoint).unwrap();
+    // While the store is open.
+    let whole = check(&data).unwrap();
+    assert_eq!((whole.results, whole.checkpoints), (1, 1));
+    assert_eq!(whole.faults, Vec::<String>::new());
+    backup(&data, &copy).unwrap();
+    assert!(backup(&data, &copy).is_err(), "it is there");
+    assert_eq!(check(&copy).unwrap(), whole);
+    let restored = open(&copy);
+    assert_eq!(
+        restored.findings(waiting[0]).unwrap(),
+        Some(finished().findings)
+    );
+    assert_eq!(restored.checkpoints().read("b").unwrap(), Some(checkpoint));
+
+    let sql = "UPDATE results SET result = result || ' ', coverage = x'00';
+        UPDATE job_totals SET runs = runs + 1 WHERE state = 'done'";
+    store.connection().execute_batch(sql).unwrap();
+    std::fs::write(data.join("checkpoints/b.checkpoint"), b"half").unwrap();
+    let faults = check(&data).unwrap().faults;
+    assert_eq!(faults.len(), 4, "{faults:#?}");
+    drop(store);
+    std::fs::write(data.join(DATABASE), b"").unwrap();
+    assert!(!check(&data).unwrap().faults.is_empty());
+}
+
+#[test]
+fn a_job_of_many_runs_is_stored_and_changed_in_parts() {
+    let dir = tempfile::tempdir().unwrap();
+    let store = open(dir.path());
+    let ids: Vec<String> = (0..2_345).map(|run| format!("run {run}")).collect();
+    let ids: Vec<&str> = ids.iter().map(String::as_str).collect();
+    let create = |limit| store.create_job(&new_job(&ids), limit);
+    assert!(matches!(
+        create(2_344),
+        Err(CreateJobError::TooLarge { .. })
+    ));
+    let Created::New(job, waiting) = create(2_345).unwrap() else {
+        panic!("no key")
+    };
+    assert_eq!(waiting.len(), 2_345);
+    let queued = |job| store.job(job).unwrap().unwrap().counts.queued;
+    assert_eq!(queued(job), 2_345);
+    let Created::New(twin, waiting) = create(10_000).unwrap() else {
+        panic!("no key")
+    };
+    assert_eq!((waiting.len(), queued(twin)), (2_345, 2_345));
+    assert_eq!(store.set_intent(job, Intent::Paused).unwrap(), []);
+    assert_eq!(
+        store.set_intent(twin, Intent::Cancelled).unwrap().len(),
+        2_345
+    );
+    assert_eq!(store.job(job).unwrap().unwrap().counts.paused, 2_345);
+    assert_eq!(store.delete_job(job).unwrap().len(), 2_345);
+    assert_eq!(store.job(twin).unwrap().unwrap().counts.cancelled, 2_345);
+    store.retry(twin).unwrap();
+    assert_eq!(store.waiting(twin).unwrap().len(), 2_345);
+    assert_eq!(check(dir.path()).unwrap().faults, Vec::<String>::new());
+    store.delete_job(twin).unwrap();
+    assert!(store.run("run 7").unwrap().is_none());
+}
+
+#[test]
+fn readers_do_not_wait_for_the_writer() {
+    let dir = tempfile::tempdir().unwrap();
+    let store = open(dir.path());
+    let (job, _) = create(&store, &["a"]);
+    let mut writer = store.connection();
+    let transaction = writer.transaction().unwrap();
+    transaction
+        .execute("UPDATE runs SET state = 'cancelled'", [])
+        .unwrap();
+    // On this very thread: waiting would be for ever.
+    assert_eq!(store.job(job).unwrap().unwrap().counts.queued, 1);
+    assert_eq!(state_of(&store, "a"), State::Queued);
+    transaction.commit().unwrap();
+    assert_eq!(state_of(&store, "a"), State::Cancelled);
+}
+
+#[test]
+fn a_job_that_is_being_stored_is_not_seen_and_its_key_is_taken() {
+    let dir = tempfile::tempdir().unwrap();
+    let store = open(dir.path());
+    let keyed = NewJob {
+        request: JobRequest::new(b"a", Some("key".to_owned())),
+        ..new_job(&["a", "b"])
+    };
+    let Created::New(job, _) = store.create_job(&keyed, 10).unwrap() else {
+        panic!("the key is new");
+    };
+    store.set_unfinished(job, "creating").unwrap();
+    assert!(store.job(job).unwrap().is_none());
+    assert!(store.run("a").unwrap().is_none());
+    assert!(store.jobs(None, 10).unwrap().is_empty());
+    let again = store.create_job(&keyed, 10);
+    assert!(matches!(again, Err(CreateJobError::UnderWay)));
+    drop(store);
+    let store = open(dir.path());
+    assert!(store.recover().unwrap().is_empty());
+    assert!(matches!(store.create_job(&keyed, 10), Ok(Created::New(..))));
 }

@@ -20,7 +20,7 @@ pub use machine::Run;
 pub use metrics::{Metrics, MetricsLog, MetricsRow, RobotMetrics, time_to_cover};
 pub use outcome::{ObjectOutcome, Outcome, Progress, RestoreError};
 pub use robot_memory::RobotMemory;
-pub use tracks::{Moment, ObjectSample, Tracks};
+pub use tracks::{Moment, ObjectSample, TrackParts, Tracks};
 pub use venue::check_placement;
 
 pub use crate::stages::Phase;

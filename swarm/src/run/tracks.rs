@@ -50,12 +50,62 @@ pub struct Tracks {
     halvings: u32,
 }
 
+/// What [`Tracks`] are made of, for whoever stores them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrackParts {
+    /// Counted steps and complete counted epochs of each moment.
+    pub times: Vec<(u64, u32)>,
+    /// Of each moment all objects.
+    pub samples: Vec<ObjectSample>,
+    /// Moments that there have been, kept or not.
+    pub offered: u64,
+    /// Every 2^this of them is kept.
+    pub halvings: u32,
+}
+
 pub(super) fn samples(objects: &Objects) -> impl Iterator<Item = ObjectSample> {
     let figures = objects.poses.iter().zip(&objects.moved_m);
     figures.map(|(&pose, &moved_m)| ObjectSample { pose, moved_m })
 }
 
 impl Tracks {
+    /// A copy of their parts.
+    pub fn parts(&self) -> TrackParts {
+        let Self {
+            times,
+            samples,
+            offered,
+            halvings,
+        } = self;
+        TrackParts {
+            times: times.iter().map(|time| (time.steps, time.epoch)).collect(),
+            samples: samples.clone(),
+            offered: *offered,
+            halvings: *halvings,
+        }
+    }
+
+    /// From their parts; `None` where moments do not have equally many objects.
+    pub fn from_parts(parts: TrackParts) -> Option<Self> {
+        let TrackParts {
+            times,
+            samples,
+            offered,
+            halvings,
+        } = parts;
+        let fits = match times.len() {
+            0 => samples.is_empty(),
+            moments => !samples.is_empty() && samples.len().is_multiple_of(moments),
+        };
+        let time = |(steps, epoch)| Time { steps, epoch };
+        fits.then(|| Self {
+            times: times.into_iter().map(time).collect(),
+            samples,
+            offered,
+            halvings,
+        })
+    }
+
     /// Whether there is nothing to tell.
     pub fn is_empty(&self) -> bool {
         self.times.is_empty()

@@ -1,0 +1,119 @@
+//! Looks through a data directory from beginning to end, also while a server uses it.
+
+use std::path::Path;
+
+use rusqlite::{Connection, OpenFlags};
+use sha2::{Digest, Sha256};
+
+use super::formats::Blobs;
+use super::{Checkpoints, StoreError, look, migrations};
+
+/// What was looked at, and what is wrong with it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Checked {
+    /// Results that were looked at.
+    pub results: u64,
+    /// Checkpoints that were looked at.
+    pub checkpoints: u64,
+    /// A line for each fault.
+    pub faults: Vec<String>,
+}
+
+/// Looks through a data directory and changes nothing.
+///
+/// # Errors
+/// When there is none, or it cannot be read.
+pub fn check(dir: &Path) -> Result<Checked, StoreError> {
+    let path = dir.join(super::DATABASE);
+    std::fs::metadata(&path).map_err(StoreError::io(&path))?;
+    let checkpoints = Checkpoints::open(&dir.join(super::CHECKPOINTS))?;
+    let mut checked = Checked::default();
+    if let Err(error) = database(&path, &checkpoints, &mut checked) {
+        checked.faults.push(error.to_string());
+    }
+    for run in checkpoints.runs()? {
+        checked.checkpoints += 1;
+        if let Err(error) = checkpoints.read(&run) {
+            checked.faults.push(error.to_string());
+        }
+    }
+    Ok(checked)
+}
+
+fn database(
+    path: &Path,
+    checkpoints: &Checkpoints,
+    checked: &mut Checked,
+) -> Result<(), StoreError> {
+    look::at_file(path, checkpoints)?;
+    let connection = Connection::open_with_flags(path, OpenFlags::SQLITE_OPEN_READ_ONLY)?;
+    let lines = |sql: &str| -> rusqlite::Result<Vec<String>> {
+        connection
+            .prepare(sql)?
+            .query_map([], |row| row.get(0))?
+            .collect()
+    };
+    let found = lines("PRAGMA integrity_check(100)")?;
+    let faults = found.into_iter().filter(|line| line != "ok");
+    checked
+        .faults
+        .extend(faults.map(|line| format!("the database: {line}")));
+    if !migrations::is_latest(&connection)? {
+        let fault = "the database is of another version of the program: what is in it was not \
+            looked at; starting the service brings an older one up to date";
+        checked.faults.push(fault.to_owned());
+        return Ok(());
+    }
+    checked.faults.extend(lines(
+        "SELECT 'a row of ' || \"table\" || ' refers to one of ' || parent || ' that is not there'
+         FROM pragma_foreign_key_check",
+    )?);
+    checked.faults.extend(lines(
+        "SELECT 'run ' || id || ' is done and has no result' FROM runs
+         WHERE state = 'done' AND NOT EXISTS (SELECT 1 FROM results WHERE run = runs.seq)",
+    )?);
+    checked.faults.extend(lines(TOTALS)?);
+    results(&connection, checked)
+}
+
+const TOTALS: &str = "WITH counted AS (
+        SELECT job, state, count(*) AS runs, sum(robot_steps_done) AS done,
+            sum(robot_steps_total) AS total, sum(robot_steps_done * step_cost) AS work_done,
+            sum(robot_steps_total * step_cost) AS work_total
+        FROM job_runs JOIN runs ON runs.seq = job_runs.run GROUP BY job, state),
+    kept AS (
+        SELECT job, state, runs, robot_steps_done, robot_steps_total, work_done, work_total
+        FROM job_totals WHERE runs <> 0)
+    SELECT 'the sums of job ' || job || ' over runs that are ' || state || ' are wrong' FROM (
+        SELECT job, state FROM (SELECT * FROM counted EXCEPT SELECT * FROM kept)
+        UNION SELECT job, state FROM (SELECT * FROM kept EXCEPT SELECT * FROM counted))";
+
+fn results(connection: &Connection, checked: &mut Checked) -> Result<(), StoreError> {
+    let mut statement = connection.prepare(
+        "SELECT id, result, result_sha256, coverage, metrics, objects
+         FROM results JOIN runs ON runs.seq = results.run ORDER BY run",
+    )?;
+    let mut rows = statement.query([])?;
+    while let Some(row) = rows.next()? {
+        checked.results += 1;
+        let id: String = row.get(0)?;
+        let digest: Option<Vec<u8>> = row.get(2)?;
+        let is_whole = row
+            .get::<_, String>(1)
+            .is_ok_and(|result| digest.as_deref() == Some(&Sha256::digest(&result)[..]));
+        if !is_whole {
+            let damaged = StoreError::damaged("result", &id, "its digest does not match");
+            checked.faults.push(damaged.to_string());
+        }
+        let blobs = Blobs {
+            coverage: row.get(3)?,
+            metrics: row.get(4)?,
+            objects: row.get(5)?,
+        };
+        if let Err((kind, why)) = blobs.read() {
+            let damaged = StoreError::damaged(kind.name(), &id, why);
+            checked.faults.push(damaged.to_string());
+        }
+    }
+    Ok(())
+}
