@@ -3,6 +3,7 @@
 //! Types only. Documents that are stored or sent to others carry a `schema` number.
 
 pub mod catalog;
+pub mod comparison;
 pub mod frames;
 pub mod job;
 pub mod objects;

@@ -48,16 +48,36 @@ pub struct Group {
 pub struct Measure {
     /// Its name, such as `p1` or `t90_steps`.
     pub name: String,
-    /// Runs that have it: a run that never covered 90 % has no `t90_steps`.
+    /// Runs that have it: a run that never covered 90 % has no `t90_steps`. All other figures are of
+    /// these runs alone.
     pub n: u64,
+    /// Runs that never got there, where the measure is a time; null where it is none.
+    pub missed: Option<u64>,
     /// Mean, sample standard deviation and median; null of no runs (deviation: of fewer than two).
     pub mean: Option<f64>,
     /// As above.
     pub sd: Option<f64>,
     /// As above.
     pub median: Option<f64>,
-    /// 95 % bootstrap interval of the mean; null of fewer than two runs.
-    pub interval: Option<[f64; 2]>,
+    /// Of the mean; null of fewer than two runs.
+    pub interval: Option<Interval>,
+    /// Mean without the lowest and the highest quarter of the runs.
+    pub iqm: Option<f64>,
+    /// Its interval.
+    pub iqm_interval: Option<Interval>,
+}
+
+/// An interval, and how it was made; methods in `docs/statistics.md`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Interval {
+    /// Lower end.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+    /// How often such intervals hold what they are of, such as 0.95.
+    pub level: f64,
+    /// Name of the method.
+    pub method: String,
 }
 
 /// Groups that differ in the number of robots (and what varies with it) alone.
@@ -95,8 +115,8 @@ pub struct SpeedUp {
     pub mean_steps: Option<f64>,
     /// Mean time of one robot over this one.
     pub speed_up: Option<f64>,
-    /// Its 95 % bootstrap interval.
-    pub speed_up_interval: Option<[f64; 2]>,
+    /// Its interval.
+    pub speed_up_interval: Option<Interval>,
     /// Speed-up over the number of robots.
     pub efficiency: Option<f64>,
     /// Mean time, steps, of as many robots that do not meet: the union of runs of one robot each.
@@ -115,8 +135,8 @@ pub struct PowerLaw {
     pub a: f64,
     /// Exponent: 1 where twice the robots take half the time.
     pub b: f64,
-    /// Its 95 % bootstrap interval, runs drawn anew within each number of robots.
-    pub b_interval: Option<[f64; 2]>,
+    /// Its interval; null of two runs.
+    pub b_interval: Option<Interval>,
     /// Runs that got there, and runs that did not.
     pub n: u64,
     /// As above.
@@ -145,8 +165,8 @@ pub struct SharingPoint {
     pub pairs: u64,
     /// Mean of `mean_coverage` with sharing less that without.
     pub difference: Option<f64>,
-    /// Its 95 % bootstrap interval.
-    pub interval: Option<[f64; 2]>,
+    /// Its interval; null of fewer than two pairs.
+    pub interval: Option<Interval>,
     /// `helps`, `hurts`, `no difference found` or `too few seeds`.
     pub verdict: String,
 }

@@ -47,7 +47,8 @@ fn a_job_over_robots_is_summed_up() {
     for group in &summary.groups {
         assert_eq!((group.runs, group.runs_done), (3, 3));
         let p1 = &group.measures[0];
-        let [low, high] = p1.interval.unwrap();
+        let interval = p1.interval.clone().unwrap();
+        let (low, high) = (interval.low, interval.high);
         let mean = p1.mean.unwrap();
         assert!(
             p1.name == "p1" && low <= mean && mean <= high && low < high,

@@ -46,41 +46,6 @@ pub fn band(curves: &[Vec<f64>]) -> Band {
     }
 }
 
-/// The 95 % percentile interval of a statistic of some samples, each drawn anew by itself. `None`
-/// when no sample has two values, or when the statistic is undefined for a resample.
-pub fn interval<T: Copy>(
-    samples: &[Vec<T>],
-    statistic: impl Fn(&[Vec<T>]) -> Option<f64>,
-) -> Option<[f64; 2]> {
-    if samples.iter().all(|sample| sample.len() < 2) {
-        return None;
-    }
-    let mut stream = Stream::new(KEY);
-    let mut drawn = samples.to_vec();
-    let mut values = Vec::with_capacity(RESAMPLES);
-    for _ in 0..RESAMPLES {
-        for (drawn, sample) in drawn.iter_mut().zip(samples) {
-            for value in drawn.iter_mut() {
-                *value = sample[stream.below(sample.len() as u64) as usize];
-            }
-        }
-        values.push(statistic(&drawn)?);
-    }
-    values.sort_by(f64::total_cmp);
-    let at = |share: f64| values[(share * (RESAMPLES - 1) as f64).round() as usize];
-    Some([at(0.025), at(0.975)])
-}
-
-/// The interval of the mean of one sample.
-pub fn mean_interval(values: &[f64]) -> Option<[f64; 2]> {
-    interval(&[values.to_vec()], |samples| mean(&samples[0]))
-}
-
-/// The mean; `None` of no values.
-pub fn mean(values: &[f64]) -> Option<f64> {
-    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -115,15 +80,5 @@ mod tests {
     fn equal_data_gives_an_equal_band() {
         let curves = vec![vec![1.0, 2.0], vec![3.0, 5.0], vec![4.0, 4.0]];
         assert_eq!(band(&curves).low, band(&curves).low);
-    }
-
-    #[test]
-    fn intervals_of_means_are_those_of_bands() {
-        let values = [3.0, 5.0, 8.0, 1.0, 9.0];
-        let band = band(&values.map(|value| vec![value]));
-        assert_eq!(mean_interval(&values), Some([band.low[0], band.high[0]]));
-        assert_eq!(mean_interval(&[4.0]), None);
-        assert_eq!(mean_interval(&[4.0, 4.0]), Some([4.0, 4.0]));
-        assert_eq!(mean_interval(&[]), None);
     }
 }

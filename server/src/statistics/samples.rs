@@ -30,6 +30,11 @@ pub fn summary(values: &[f64]) -> Summary {
     }
 }
 
+/// The mean; `None` of no values.
+pub fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
 /// Of at least one value.
 pub fn median(values: &[f64]) -> f64 {
     Data::new(values.to_vec()).median()
@@ -243,6 +248,21 @@ mod tests {
         }
         assert_eq!(holm(&[0.9, 0.6]), [1.0, 1.0]);
         assert!(holm(&[]).is_empty());
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn corrected_ps_keep_their_order_and_are_no_smaller(
+            p in proptest::collection::vec(0.0..1.0_f64, 0..12),
+        ) {
+            let corrected = holm(&p);
+            for (one, &p_one) in p.iter().enumerate() {
+                proptest::prop_assert!(p_one <= corrected[one] && corrected[one] <= 1.0);
+                for (other, &p_other) in p.iter().enumerate() {
+                    proptest::prop_assert!(p_one > p_other || corrected[one] <= corrected[other]);
+                }
+            }
+        }
     }
 
     #[test]

@@ -4,11 +4,10 @@ use api::summary::{Group, Measure};
 
 use super::{Combination, FinishedRun, values};
 use crate::documents::Design;
-use crate::statistics::bootstrap::mean_interval;
-use crate::statistics::summary as moments;
+use crate::statistics::{iqm, iqm_interval, mean_interval, summary as moments};
 
 /// The names of the measures, in their order.
-pub const MEASURES: [&str; 13] = [
+const MEASURES: [&str; 13] = [
     "p1",
     "p2",
     "p5",
@@ -23,6 +22,14 @@ pub const MEASURES: [&str; 13] = [
     "distance_m",
     "cpu_ns_per_robot_step",
 ];
+
+/// Shares of the reachable squares, beside the counts.
+const FRACTIONS: [&str; 4] = ["p1_fraction", "p2_fraction", "p5_fraction", "p10_fraction"];
+
+/// Every measure, in order.
+pub fn known_measures() -> impl Iterator<Item = &'static str> {
+    MEASURES.into_iter().chain(FRACTIONS)
+}
 
 /// A measure of one run; `None` where it has none.
 pub fn measure(run: &FinishedRun, name: &str) -> Option<f64> {
@@ -40,6 +47,10 @@ pub fn measure(run: &FinishedRun, name: &str) -> Option<f64> {
         "mean_coverage" => Some(metrics?.mean_coverage),
         "entropy" => Some(metrics?.entropy),
         "overlap" => metrics?.overlap,
+        "p1_fraction" => Some(result.fractions.p1),
+        "p2_fraction" => Some(result.fractions.p2),
+        "p5_fraction" => Some(result.fractions.p5),
+        "p10_fraction" => Some(result.fractions.p10),
         "collisions_per_robot_step" => {
             (result.steps > 0).then(|| result.collisions as f64 / result.steps as f64)
         }
@@ -63,24 +74,32 @@ pub fn groups(design: &Design, labels: &[String], combinations: &[Combination<'_
         robots: combination.robots,
         runs: design.seeds as u64,
         runs_done: combination.runs.len() as u64,
-        measures: MEASURES
-            .iter()
-            .map(|name| pooled(name, &measured(&combination.runs, name)))
+        measures: known_measures()
+            .map(|name| pooled(name, &combination.runs))
             .collect(),
     })
     .collect()
 }
 
-fn pooled(name: &str, values: &[f64]) -> Measure {
-    let moments = (!values.is_empty()).then(|| moments(values));
+/// Whether a measure is a time that a run may never get to.
+pub fn is_time(name: &str) -> bool {
+    name.ends_with("_steps")
+}
+
+fn pooled(name: &str, runs: &[&FinishedRun]) -> Measure {
+    let values = measured(runs, name);
+    let moments = (!values.is_empty()).then(|| moments(&values));
     Measure {
         name: name.to_owned(),
         n: values.len() as u64,
+        missed: is_time(name).then(|| (runs.len() - values.len()) as u64),
         mean: moments.map(|moments| moments.mean),
         sd: moments
             .filter(|_| values.len() > 1)
             .map(|moments| moments.sd),
         median: moments.map(|moments| moments.median),
-        interval: mean_interval(values),
+        interval: mean_interval(&values).map(Into::into),
+        iqm: iqm(&values),
+        iqm_interval: iqm_interval(&[values]).map(Into::into),
     }
 }

@@ -1,6 +1,7 @@
 //! A job's runs pooled over seeds: measures by combination, scaling over robots, and what sharing
 //! changes. Formulas and rules: `docs/metrics.md`.
 
+pub mod comparison;
 mod groups;
 mod scaling;
 mod sharing;
@@ -16,6 +17,7 @@ use serde_json::Value;
 pub use table::{csv, markdown};
 
 use crate::documents::{Design, indices_at};
+use crate::statistics::{Interval, LEVEL};
 
 /// A finished run of a job.
 #[derive(Clone, Debug)]
@@ -32,6 +34,17 @@ pub struct FinishedRun {
 
 /// Times of first entries (1 + steps, 0 for never) of the squares within reach, and their number.
 pub type FirstEntries = (Vec<u64>, u32);
+
+impl From<Interval> for api::summary::Interval {
+    fn from(interval: Interval) -> Self {
+        Self {
+            low: interval.low,
+            high: interval.high,
+            level: LEVEL,
+            method: interval.method.to_owned(),
+        }
+    }
+}
 
 /// What is summed up.
 #[derive(Clone, Debug)]

@@ -7,7 +7,7 @@ use swarm::run::time_to_cover;
 use super::groups::measured;
 use super::{Combination, FirstEntries, alike, axis_of, values};
 use crate::documents::Design;
-use crate::statistics::bootstrap::{interval, mean};
+use crate::statistics::{mean, ratio_interval, slope_interval};
 
 const TIMES: [(&str, u32); 3] = [("t50_steps", 50), ("t90_steps", 90), ("t99_steps", 99)];
 /// Times that runs of one robot are drawn to stand for robots that do not meet.
@@ -75,18 +75,15 @@ fn speed_up(
 ) -> SpeedUp {
     let mean_steps = mean(&times);
     let n = times.len() as u64;
-    let ratio = |samples: &[Vec<f64>]| {
-        let time = mean(&samples[1]).filter(|&time| time > 0.0)?;
-        Some(mean(&samples[0])? / time)
-    };
-    let samples = [reference, times];
-    let speed_up = ratio(&samples);
+    let speed_up = mean_steps
+        .filter(|&steps| steps > 0.0)
+        .and_then(|steps| Some(mean(&reference)? / steps));
     SpeedUp {
         name: name.to_owned(),
         n,
         mean_steps,
         speed_up,
-        speed_up_interval: interval(&samples, ratio),
+        speed_up_interval: ratio_interval(&reference, &times).map(Into::into),
         efficiency: speed_up.map(|speed_up| speed_up / f64::from(robots)),
         independent_steps,
         against_independent: independent_steps
@@ -124,8 +121,18 @@ fn independent(singles: &[FirstEntries], robots: u32, percent: u32) -> Option<f6
     Some(sum / draws as f64)
 }
 
-/// ln a and b of the line through ln t over ln N; `None` for fewer than two numbers of robots.
-fn line(robots: &[f64], samples: &[Vec<f64>]) -> Option<[f64; 2]> {
+/// The line through ln t over ln N.
+struct Line {
+    ln_a: f64,
+    b: f64,
+    /// Sum of the squares of ln N about its mean.
+    spread: f64,
+    /// Of ln t about the line.
+    residual: f64,
+}
+
+/// `None` for fewer than two numbers of robots.
+fn line(robots: &[f64], samples: &[Vec<f64>]) -> Option<Line> {
     let points = || {
         robots.iter().zip(samples).flat_map(|(robots, times)| {
             times
@@ -141,7 +148,17 @@ fn line(robots: &[f64], samples: &[Vec<f64>]) -> Option<[f64; 2]> {
         (xx + dx * dx, xy + dx * (point.1 - y))
     });
     // Equal numbers of robots differ by rounding alone.
-    (xx > 1e-9).then(|| [y - xy / xx * x, -xy / xx])
+    (xx > 1e-9).then(|| {
+        let (ln_a, slope) = (y - xy / xx * x, xy / xx);
+        Line {
+            ln_a,
+            b: -slope,
+            spread: xx,
+            residual: points()
+                .map(|point| (point.1 - ln_a - slope * point.0).powi(2))
+                .sum(),
+        }
+    })
 }
 
 fn power_law(name: &str, set: &[&Combination<'_>]) -> Option<PowerLaw> {
@@ -154,13 +171,13 @@ fn power_law(name: &str, set: &[&Combination<'_>]) -> Option<PowerLaw> {
         })
         .filter(|(_, times)| !times.is_empty())
         .unzip();
-    let [ln_a, b] = line(&robots, &samples)?;
+    let line = line(&robots, &samples)?;
     let n: usize = samples.iter().map(Vec::len).sum();
     Some(PowerLaw {
         name: name.to_owned(),
-        a: ln_a.exp(),
-        b,
-        b_interval: interval(&samples, |samples| Some(line(&robots, samples)?[1])),
+        a: line.ln_a.exp(),
+        b: line.b,
+        b_interval: slope_interval(line.b, line.residual, line.spread, n).map(Into::into),
         n: n as u64,
         missed: (runs - n) as u64,
     })

@@ -6,7 +6,7 @@ use serde_json::Value;
 use super::groups::measure;
 use super::{Combination, alike, axis_of, values};
 use crate::documents::Design;
-use crate::statistics::bootstrap::{mean, mean_interval};
+use crate::statistics::{mean, t_interval};
 
 /// Fewest pairs from which something is said.
 const FEWEST_PAIRS: usize = 3;
@@ -64,18 +64,18 @@ fn point(with: &Combination<'_>, without: &Combination<'_>) -> SharingPoint {
             Some(measure(run, "mean_coverage")? - measure(twin, "mean_coverage")?)
         })
         .collect();
-    let interval = mean_interval(&differences);
+    let interval = t_interval(&differences);
     let verdict = match interval {
         _ if differences.len() < FEWEST_PAIRS => "too few seeds",
-        Some([low, _]) if low > 0.0 => "helps",
-        Some([_, high]) if high < 0.0 => "hurts",
+        Some(interval) if interval.low > 0.0 => "helps",
+        Some(interval) if interval.high < 0.0 => "hurts",
         _ => "no difference found",
     };
     SharingPoint {
         robots: with.robots,
         pairs: differences.len() as u64,
         difference: mean(&differences),
-        interval,
+        interval: interval.map(Into::into),
         verdict: verdict.to_owned(),
     }
 }

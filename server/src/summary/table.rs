@@ -9,20 +9,27 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use api::JobSummary;
-use api::summary::Group;
+use api::summary::{Group, Interval};
 use serde_json::Value;
 
 /// One line a group and measure.
 pub fn csv(summary: &JobSummary) -> String {
-    let mut text = String::from("group,label,robots,measure,runs_done,n,mean,sd,median,low,high\n");
+    let mut text = String::from(
+        "group,label,robots,measure,runs_done,n,mean,sd,median,low,high,level,method,missed,iqm,iqm_low,\
+         iqm_high,iqm_method\n",
+    );
     let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
+    let low = |interval: &Option<Interval>| number(interval.as_ref().map(|it| it.low));
+    let high = |interval: &Option<Interval>| number(interval.as_ref().map(|it| it.high));
+    let method =
+        |interval: &Option<Interval>| interval.clone().map_or(String::new(), |it| it.method);
     for (place, group) in summary.groups.iter().enumerate() {
-        let label = group.label.replace('"', "\"\"");
+        let label = quoted(&group.label);
         for measure in &group.measures {
             // Writing to a string cannot fail.
             let _ = writeln!(
                 text,
-                "{place},\"{label}\",{},{},{},{},{},{},{},{},{}",
+                "{place},{label},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}",
                 group.robots,
                 measure.name,
                 group.runs_done,
@@ -30,8 +37,17 @@ pub fn csv(summary: &JobSummary) -> String {
                 number(measure.mean),
                 number(measure.sd),
                 number(measure.median),
-                number(measure.interval.map(|interval| interval[0])),
-                number(measure.interval.map(|interval| interval[1])),
+                low(&measure.interval),
+                high(&measure.interval),
+                number(measure.interval.as_ref().map(|it| it.level)),
+                method(&measure.interval),
+                measure
+                    .missed
+                    .map_or(String::new(), |runs| runs.to_string()),
+                number(measure.iqm),
+                low(&measure.iqm_interval),
+                high(&measure.iqm_interval),
+                method(&measure.iqm_interval),
             );
         }
     }
@@ -43,7 +59,7 @@ pub fn markdown(summary: &JobSummary) -> String {
     let mut text = String::new();
     let _ = writeln!(
         text,
-        "# Job {} {}\n\n{} of {} runs done. Means with 95 % bootstrap intervals; `-` where no run has the measure.\n",
+        "# Job {} {}\n\n{} of {} runs done. Means with 95 % intervals; n where not all of these runs have the measure, `-` where none has.\n",
         summary.job_id, summary.name, summary.runs_done, summary.runs
     );
     let head = [
@@ -69,10 +85,10 @@ pub fn markdown(summary: &JobSummary) -> String {
                     point.robots.to_string(),
                     time.name.clone(),
                     time.n.to_string(),
-                    short(time.mean_steps),
-                    with_interval(time.speed_up, time.speed_up_interval),
-                    short(time.efficiency),
-                    short(time.against_independent),
+                    short(time.mean_steps, 4),
+                    with_interval(time.speed_up, time.speed_up_interval.as_ref()),
+                    short(time.efficiency, 4),
+                    short(time.against_independent, 4),
                 ]);
             }
         }
@@ -91,8 +107,8 @@ pub fn markdown(summary: &JobSummary) -> String {
                 text,
                 "\n{} = {} N^-b, b = {} ({} runs, {} never got there)",
                 fit.name,
-                short(Some(fit.a)),
-                with_interval(Some(fit.b), fit.b_interval),
+                short(Some(fit.a), 4),
+                with_interval(Some(fit.b), fit.b_interval.as_ref()),
                 fit.n,
                 fit.missed
             );
@@ -112,7 +128,7 @@ pub fn markdown(summary: &JobSummary) -> String {
                 vec![
                     point.robots.to_string(),
                     point.pairs.to_string(),
-                    with_interval(point.difference, point.interval),
+                    with_interval(point.difference, point.interval.as_ref()),
                     point.verdict.clone(),
                 ]
             })
@@ -128,7 +144,12 @@ fn row(group: &Group) -> Vec<String> {
     let cell = |name: &str| {
         let measure = group.measures.iter().find(|measure| measure.name == name);
         measure.map_or("-".to_owned(), |measure| {
-            with_interval(measure.mean, measure.interval)
+            let text = with_interval(measure.mean, measure.interval.as_ref());
+            if measure.n == 0 || measure.n == group.runs_done {
+                text
+            } else {
+                format!("{text}, n = {}", measure.n)
+            }
         })
     };
     let label = if group.label.is_empty() {
@@ -163,34 +184,40 @@ fn words(values: &BTreeMap<String, Value>) -> String {
     words.join(", ")
 }
 
-/// Four significant digits.
-fn short(value: Option<f64>) -> String {
+/// This many significant digits, and no more than all of a whole number's.
+pub fn short(value: Option<f64>, significant: i32) -> String {
     match value {
         None => "-".to_owned(),
         Some(0.0) => "0".to_owned(),
         Some(value) => {
-            let digits = (3 - value.abs().log10().floor() as i32).clamp(0, 9);
+            let digits = (significant - 1 - value.abs().log10().floor() as i32).clamp(0, 9);
             format!("{value:.*}", digits as usize)
         }
     }
 }
 
-fn with_interval(value: Option<f64>, interval: Option<[f64; 2]>) -> String {
+/// A figure with its interval.
+pub fn with_interval(value: Option<f64>, interval: Option<&Interval>) -> String {
     match interval {
-        Some([low, high]) => {
+        Some(interval) => {
             format!(
                 "{} [{}, {}]",
-                short(value),
-                short(Some(low)),
-                short(Some(high))
+                short(value, 4),
+                short(Some(interval.low), 4),
+                short(Some(interval.high), 4)
             )
         }
-        None => short(value),
+        None => short(value, 4),
     }
 }
 
+/// A text as a field of a CSV line.
+pub fn quoted(text: &str) -> String {
+    format!("\"{}\"", text.replace('"', "\"\""))
+}
+
 /// A Markdown table with columns of even width.
-fn table(text: &mut String, head: &[&str], rows: &[Vec<String>]) {
+pub fn table(text: &mut String, head: &[&str], rows: &[Vec<String>]) {
     let widths: Vec<usize> = (0..head.len())
         .map(|column| {
             let cells = rows.iter().map(|row| row[column].chars().count());

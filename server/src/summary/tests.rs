@@ -7,7 +7,7 @@ use serde_json::json;
 use super::*;
 use crate::documents::DesignAxis;
 
-fn finished(place: u64, seed: u64, t90: Option<u64>, mean_coverage: f64) -> FinishedRun {
+pub fn finished(place: u64, seed: u64, t90: Option<u64>, mean_coverage: f64) -> FinishedRun {
     FinishedRun {
         place,
         seed,
@@ -37,14 +37,14 @@ fn finished(place: u64, seed: u64, t90: Option<u64>, mean_coverage: f64) -> Fini
     }
 }
 
-fn axis(paths: &[&str], values: Value) -> DesignAxis {
+pub fn axis(paths: &[&str], values: Value) -> DesignAxis {
     DesignAxis {
         paths: paths.iter().map(|&path| path.to_owned()).collect(),
         values: serde_json::from_value(values).unwrap(),
     }
 }
 
-fn input(seeds: usize, axes: Vec<DesignAxis>, finished: Vec<FinishedRun>) -> Input {
+pub fn input(seeds: usize, axes: Vec<DesignAxis>, finished: Vec<FinishedRun>) -> Input {
     Input {
         job_id: "1".to_owned(),
         name: "a job".to_owned(),
@@ -82,21 +82,32 @@ fn seeds_are_pooled_by_combination() {
     let p1 = measure(first, "p1");
     assert_eq!((p1.n, p1.mean, p1.median), (2, Some(15.0), Some(15.0)));
     assert!((p1.sd.unwrap() - 50.0_f64.sqrt()).abs() < 1e-9);
-    assert_eq!(p1.interval, Some([10.0, 20.0]));
+    // Two values: Student's t with one degree of freedom, 12.706 standard errors.
+    let interval = p1.interval.unwrap();
+    assert!((interval.high - 15.0 - 12.706 * 5.0).abs() < 0.01);
+    assert_eq!((interval.level, interval.method.as_str()), (0.95, "t"));
+    assert_eq!((p1.missed, p1.iqm), (None, Some(15.0)));
     let t90 = measure(first, "t90_steps");
     assert_eq!(
-        (t90.n, t90.mean, t90.sd, t90.interval),
-        (1, Some(10.0), None, None)
+        (t90.n, t90.missed, t90.mean, t90.sd, t90.interval),
+        (1, Some(1), Some(10.0), None, None)
     );
     assert_eq!(measure(second, "t50_steps").mean, None);
     let collisions = measure(second, "collisions_per_robot_step");
     assert_eq!(collisions.mean, Some(0.25));
     let csv = csv(&summary);
-    assert_eq!(csv.lines().count(), 1 + 2 * groups::MEASURES.len());
     assert_eq!(
-        csv.lines().nth(1).unwrap(),
-        "0,\"\",1,p1,2,2,15,7.0710678118654755,15,10,20"
+        csv.lines().count(),
+        1 + 2 * groups::known_measures().count()
     );
+    let line = csv.lines().nth(1).unwrap();
+    assert!(
+        line.starts_with("0,\"\",1,p1,2,2,15,7.0710678118654755,15,-48.5310")
+            && line.contains(",78.5310")
+            && line.contains(",0.95,t,,15,"),
+        "{line}"
+    );
+    assert!(csv.contains("t90_steps,2,1,10,,10,,,,,1,10,,,\n"), "{csv}");
     assert!(markdown(&summary).contains("3 of 3 runs done"));
 }
 
@@ -162,7 +173,8 @@ fn times_that_halve_with_twice_the_robots_have_exponent_one() {
         panic!("{scaling:?}")
     };
     assert!((fit.a - 800.0).abs() < 1e-6 && (fit.b - 1.0).abs() < 1e-12);
-    let [low, high] = fit.b_interval.unwrap();
+    let interval = fit.b_interval.clone().unwrap();
+    let (low, high) = (interval.low, interval.high);
     assert!((low - 1.0).abs() < 1e-9 && (high - 1.0).abs() < 1e-9);
     assert_eq!((fit.n, fit.missed), (6, 0));
     let time = |point: usize| &scaling.points[point].times[1];
@@ -171,7 +183,8 @@ fn times_that_halve_with_twice_the_robots_have_exponent_one() {
         (time(2).speed_up, time(2).efficiency),
         (Some(4.0), Some(1.0))
     );
-    assert_eq!(time(2).speed_up_interval, Some([4.0, 4.0]));
+    let ratio = time(2).speed_up_interval.clone().unwrap();
+    assert_eq!((ratio.low, ratio.high), (4.0, 4.0));
     // One alone takes nine steps to nine squares, both together five.
     assert_eq!(time(0).independent_steps, Some(9.0));
     assert_eq!(time(1).independent_steps, Some(5.0));
