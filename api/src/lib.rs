@@ -4,6 +4,7 @@
 
 pub mod catalog;
 pub mod comparison;
+pub mod curves;
 pub mod frames;
 pub mod job;
 pub mod objects;

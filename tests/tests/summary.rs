@@ -77,6 +77,32 @@ fn a_job_over_robots_is_summed_up() {
         server.get(&format!("{path}.md")).text().trim()
     );
     assert!(shown.stdout.contains("9 of 9 runs done"), "{shown:?}");
+    let compared = evswarm(
+        &[
+            "compare",
+            &job.id,
+            "--by",
+            "robots",
+            "--server",
+            server.url(),
+        ],
+        "",
+    );
+    assert_eq!(compared.code, Some(0), "{compared:?}");
+    assert!(compared.stdout.contains("n = 3 pairs"), "{compared:?}");
+    let refused = evswarm(
+        &[
+            "compare",
+            &job.id,
+            "--measure",
+            "a&b",
+            "--server",
+            server.url(),
+        ],
+        "",
+    );
+    assert_eq!(refused.code, Some(1), "{refused:?}");
+    assert!(refused.stderr.contains("\"a&b\" is none"), "{refused:?}");
     assert_eq!(
         evswarm(&["summary", "99", "--server", server.url()], "").code,
         Some(1)

@@ -19,7 +19,7 @@ const PATIENCE: u32 = 20;
 const TIMEOUT: Duration = Duration::from_secs(120);
 
 #[derive(Debug, clap::Args)]
-struct Server {
+pub struct Server {
     /// The service.
     #[arg(
         long = "server",
@@ -157,7 +157,7 @@ fn line(job: &Job) -> String {
 }
 
 /// The route of a job.
-fn job_path(id: &str) -> anyhow::Result<String> {
+pub fn job_path(id: &str) -> anyhow::Result<String> {
     let plain = |letter: char| letter.is_ascii_alphanumeric() || "-_".contains(letter);
     if id.is_empty() || !id.chars().all(plain) {
         bail!("{id:?} is no id of a job");
@@ -165,7 +165,7 @@ fn job_path(id: &str) -> anyhow::Result<String> {
     Ok(format!("/v1/jobs/{id}"))
 }
 
-struct Client {
+pub struct Client {
     agent: ureq::Agent,
     url: String,
     /// Value of the `authorization` header.
@@ -173,7 +173,7 @@ struct Client {
 }
 
 impl Client {
-    fn new(server: &Server) -> Self {
+    pub fn new(server: &Server) -> Self {
         let config = ureq::Agent::config_builder()
             .http_status_as_error(false)
             .timeout_global(Some(TIMEOUT))
@@ -190,7 +190,7 @@ impl Client {
         self.answer(self.signed(request).call())
     }
 
-    fn text(&self, path: &str) -> Result<String, Failure> {
+    pub fn text(&self, path: &str) -> Result<String, Failure> {
         let request = self.agent.get(format!("{}{path}", self.url));
         self.body(self.signed(request).call())
     }

@@ -3,6 +3,7 @@
 mod catalog;
 mod checkpoint;
 mod client;
+mod compare;
 mod data;
 mod output;
 mod progress;
@@ -75,6 +76,8 @@ enum Command {
     Status(client::StatusArguments),
     /// Show what a job of a service found, seeds pooled, with intervals.
     Summary(client::SummaryArguments),
+    /// Compare the groups of a job of a service: which is best, or how many seeds would say it.
+    Compare(compare::CompareArguments),
     /// Cancel a job of a service.
     Cancel(client::CancelArguments),
     /// List, check and draw arenas.
@@ -170,6 +173,7 @@ fn dispatch(command: Command) -> Result<(), Failure> {
         Command::Submit(arguments) => client::submit(&arguments),
         Command::Status(arguments) => client::status(&arguments),
         Command::Summary(arguments) => client::summary(&arguments),
+        Command::Compare(arguments) => compare::compare(&arguments),
         Command::Cancel(arguments) => client::cancel(&arguments),
         Command::Arenas(command) => catalog::arenas(&command),
         Command::Controllers { json } => catalog::controllers(json),

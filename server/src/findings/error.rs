@@ -3,6 +3,8 @@
 use api::State;
 
 use crate::store::{CheckpointError, JobKey, StoreError};
+use crate::summary::comparison::ComparisonError;
+use crate::summary::curves::MOST_RUNS;
 
 /// Why there is nothing to show.
 #[derive(Debug, thiserror::Error)]
@@ -27,6 +29,12 @@ pub enum FindingsError {
         /// Runs in all.
         total: u64,
     },
+    /// It cannot be compared as was asked.
+    #[error(transparent)]
+    Comparison(#[from] ComparisonError),
+    /// Curves are pooled of fewer.
+    #[error("the job has {0} finished runs; curves are pooled of at most {MOST_RUNS}")]
+    TooManyRuns(usize),
     /// What is stored does not fit together.
     #[error("stored data of {what} cannot be used: {why}")]
     Broken {

@@ -1,6 +1,7 @@
 //! What runs and jobs have found: live from a worker, stored, or from a checkpoint; pooled into a
 //! summary or judged in a report. Whoever shows it (HTTP today) only translates.
 
+mod curves;
 mod error;
 mod kept;
 mod report;

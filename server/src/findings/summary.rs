@@ -1,10 +1,12 @@
 //! A job's finished runs pooled over seeds, from what is stored of them.
 
+use api::comparison::Comparison;
 use api::{JobSummary, State};
 
 use super::{Assembler, FindingsError};
 use crate::documents::Design;
 use crate::store::{JobKey, JobView, RunView};
+use crate::summary::comparison::comparison;
 use crate::summary::{FinishedRun, Input, summary};
 
 impl Assembler {
@@ -13,21 +15,8 @@ impl Assembler {
     /// # Errors
     /// When the store fails, or holds of one of its runs what cannot be read.
     pub fn summary(&self, job: &JobView) -> Result<JobSummary, FindingsError> {
-        let seq = job.seq;
-        let runs = self.store.all_runs(seq)?;
-        let designs = self.designs(seq, &runs)?;
-        let parts = parts(&designs, &runs)
-            .ok_or_else(|| broken(seq, "its design is not that of its runs"))?;
-        let robots = parts.iter().map(|part| self.robots(part.first));
-        let input = Input {
-            job_id: seq.to_string(),
-            name: job.name.clone(),
-            runs: runs.len() as u64,
-            robots: robots.collect::<Result<_, _>>()?,
-            labels: parts.into_iter().flat_map(|part| part.labels).collect(),
-            finished: self.finished(&runs)?,
-            designs,
-        };
+        let runs = self.store.all_runs(job.seq)?;
+        let input = self.input(job, &runs)?;
         let mut fault = None;
         let summary = summary(&input, |place| {
             let run = runs.get(usize::try_from(place).ok()?)?;
@@ -39,6 +28,38 @@ impl Assembler {
             (!metrics.first_entry.is_empty()).then_some((metrics.first_entry, metrics.reachable))
         });
         fault.map_or(Ok(summary), |fault| Err(fault.into()))
+    }
+
+    /// The groups of a job against each other by a measure, as far as they are done; `by` is a
+    /// varied field whose values are the groups.
+    ///
+    /// # Errors
+    /// As [`Assembler::summary`], and when it cannot be compared as was asked.
+    pub fn comparison(
+        &self,
+        job: &JobView,
+        measure: &str,
+        by: Option<&str>,
+    ) -> Result<Comparison, FindingsError> {
+        let runs = self.store.all_runs(job.seq)?;
+        Ok(comparison(&self.input(job, &runs)?, measure, by)?)
+    }
+
+    pub(super) fn input(&self, job: &JobView, runs: &[RunView]) -> Result<Input, FindingsError> {
+        let seq = job.seq;
+        let designs = self.designs(seq, runs)?;
+        let parts = parts(&designs, runs)
+            .ok_or_else(|| broken(seq, "its design is not that of its runs"))?;
+        let robots = parts.iter().map(|part| self.robots(part.first));
+        Ok(Input {
+            job_id: seq.to_string(),
+            name: job.name.clone(),
+            runs: runs.len() as u64,
+            robots: robots.collect::<Result<_, _>>()?,
+            labels: parts.into_iter().flat_map(|part| part.labels).collect(),
+            finished: self.finished(runs)?,
+            designs,
+        })
     }
 
     /// What the job varies; one that was stored without is one group.

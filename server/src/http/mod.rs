@@ -5,9 +5,11 @@ mod app;
 mod arenas;
 mod body;
 mod catalog;
+mod comparison;
 mod compression;
 mod conditional;
 mod connections;
+mod curves;
 mod extract;
 mod files;
 mod guard;
@@ -51,6 +53,8 @@ fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, token: Option<&str>) -> 
     let v1 = Router::new()
         .merge(jobs::routes())
         .merge(job_findings::routes())
+        .merge(comparison::routes())
+        .merge(curves::routes())
         .merge(runs::routes())
         .merge(files::routes())
         .merge(arenas::routes())

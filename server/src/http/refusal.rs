@@ -100,6 +100,9 @@ impl From<FindingsError> for Refusal {
     fn from(error: FindingsError) -> Self {
         let code = match error {
             FindingsError::NotKept(_) => ProblemCode::FindingsNotKept,
+            FindingsError::Comparison(_) | FindingsError::TooManyRuns(_) => {
+                ProblemCode::InvalidQuery
+            }
             FindingsError::Unfinished { .. } => ProblemCode::ReportNotReady,
             FindingsError::RunGone(_) => ProblemCode::RunNotFound,
             FindingsError::NoReport(_) => ProblemCode::ReportNotFound,

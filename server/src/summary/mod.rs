@@ -2,6 +2,7 @@
 //! changes. Formulas and rules: `docs/metrics.md`.
 
 pub mod comparison;
+pub mod curves;
 mod groups;
 mod scaling;
 mod sharing;

@@ -365,8 +365,9 @@ async fn metrics_and_summary_of_a_job_over_robots() {
         .map(|r| r["result"]["p1"].as_f64().unwrap())
         .sum();
     assert!(p1.name == "p1" && (p1.mean.unwrap() - expected / 3.0).abs() < 1e-9);
-    let cost = summary.groups[0].measures.last().unwrap();
-    assert!(cost.name == "cpu_ns_per_robot_step" && cost.mean.unwrap() > 0.0);
+    let mut measures = summary.groups[0].measures.iter();
+    let cost = measures.find(|measure| measure.name == "cpu_ns_per_robot_step");
+    assert!(cost.unwrap().mean.unwrap() > 0.0);
     assert_eq!(summary.scaling[0].points.len(), 2);
     let csv = service.get(&format!("{job}/summary.csv")).await;
     assert_eq!(csv.media_type(), "text/csv; charset=utf-8");
@@ -377,4 +378,70 @@ async fn metrics_and_summary_of_a_job_over_robots() {
         "{text}"
     );
     assert_problem(&service.get("/v1/jobs/99/summary").await, 404);
+
+    let compared = service.get(&format!("{job}/comparison")).await.json();
+    assert_eq!(compared["measure"], "p1_fraction");
+    assert_eq!(
+        (&compared["pairs"][0]["n"], &compared["pairs"][0]["paired"]),
+        (&json!(3), &json!(true))
+    );
+    let by = service
+        .get(&format!("{job}/comparison?measure=t50_steps&by=robots"))
+        .await
+        .json();
+    assert_eq!(
+        (&by["groups"][0]["label"], &by["better"]),
+        (&json!("1"), &json!("lower"))
+    );
+    let csv = service
+        .get(&format!("{job}/comparison.csv?measure=p10"))
+        .await;
+    assert_eq!(csv.media_type(), "text/csv; charset=utf-8");
+    let text = service.get(&format!("{job}/comparison.md")).await;
+    assert!(
+        String::from_utf8(text.body.to_vec())
+            .unwrap()
+            .contains("n = 3 pairs")
+    );
+    for wrong in [
+        "measure=beauty",
+        "by=epochs",
+        "messure=p1",
+        "measure=p1&measure=p2",
+    ] {
+        assert_problem(
+            &service.get(&format!("{job}/comparison?{wrong}")).await,
+            400,
+        );
+    }
+    assert_problem(&service.get("/v1/jobs/99/comparison").await, 404);
+
+    let curves = service
+        .get(&format!("{job}/curves?measure=p1&points=3&runs=true"))
+        .await
+        .json();
+    let group = &curves["groups"][1];
+    let last = curves["at"].as_array().unwrap().len() - 1;
+    // The mean at the last epoch is that of the results.
+    assert!(
+        (group["mean"][last].as_f64().unwrap() - expected / 3.0).abs() < 1e-9,
+        "{curves}"
+    );
+    assert_eq!(
+        (
+            group["n"][last].as_u64(),
+            group["runs"].as_array().unwrap().len()
+        ),
+        (Some(3), 3)
+    );
+    for wrong in [
+        "measure=overlap",
+        "x=steps",
+        "points=1",
+        "points=501",
+        "by=epochs",
+        "run=true",
+    ] {
+        assert_problem(&service.get(&format!("{job}/curves?{wrong}")).await, 400);
+    }
 }

@@ -11,9 +11,9 @@ mod words;
 use api::SCHEMA;
 use api::comparison::{Better, ComparedGroup, Comparison};
 
+pub(super) use sets::{Set, sets};
 pub use table::{csv, markdown};
 
-use self::sets::{Set, sets};
 use super::Input;
 use super::groups::{is_time, known_measures};
 use crate::statistics::{ALPHA, holm, iqm, iqm_interval, mean_interval, summary as moments};

@@ -15,6 +15,8 @@ pub struct Set {
     pub values: BTreeMap<String, Value>,
     /// By stratum (what else the job varies, as text) and seed; `None` for a run without the measure.
     pub runs: BTreeMap<(String, u64), Option<f64>>,
+    /// Place in the job and seed of each run, in order.
+    pub places: Vec<(u64, u64)>,
 }
 
 impl Set {
@@ -68,6 +70,7 @@ pub fn sets(input: &Input, name: &str, by: Option<&str>) -> Result<Vec<Set>, Com
                     label,
                     values: own,
                     runs: BTreeMap::new(),
+                    places: Vec::new(),
                 });
                 sets.len() - 1
             });
@@ -79,6 +82,7 @@ pub fn sets(input: &Input, name: &str, by: Option<&str>) -> Result<Vec<Set>, Com
             }
             for run in combination.runs {
                 let value = measure(run, name).filter(|value| value.is_finite());
+                sets[found].places.push((run.place, run.seed));
                 sets[found].runs.insert((stratum.clone(), run.seed), value);
             }
         }
