@@ -9,7 +9,6 @@ mod comparison;
 mod compression;
 mod conditional;
 mod connections;
-mod curves;
 mod extract;
 mod files;
 mod guard;
@@ -54,7 +53,6 @@ fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, token: Option<&str>) -> 
         .merge(jobs::routes())
         .merge(job_findings::routes())
         .merge(comparison::routes())
-        .merge(curves::routes())
         .merge(runs::routes())
         .merge(files::routes())
         .merge(arenas::routes())

@@ -13,7 +13,7 @@ use super::App;
 use super::refusal::Refusal;
 
 /// Parameters of the routes that have any, for `GET`.
-const PARAMETERS: [(&str, &[&str]); 4] = [
+const PARAMETERS: [(&str, &[&str]); 8] = [
     ("/v1/jobs", &["limit", "cursor", "state", "q", "order"]),
     ("/v1/jobs/{id}/runs", &["limit", "cursor"]),
     (
@@ -21,6 +21,13 @@ const PARAMETERS: [(&str, &[&str]); 4] = [
         &["limit", "cursor", "job", "state", "method", "arena"],
     ),
     ("/v1/runs/{id}/curve", &["points"]),
+    ("/v1/jobs/{id}/comparison", &["measure", "by"]),
+    ("/v1/jobs/{id}/comparison.csv", &["measure", "by"]),
+    ("/v1/jobs/{id}/comparison.md", &["measure", "by"]),
+    (
+        "/v1/jobs/{id}/curves",
+        &["measure", "x", "by", "points", "runs"],
+    ),
 ];
 /// Items of a page unless it says how many.
 const DEFAULT_PAGE: u32 = 50;

@@ -1,6 +1,6 @@
 //! How often intervals hold what they are of, and how often a test finds what is not there, by
 //! simulation. The table in `docs/statistics.md` is printed by the ignored test at the end.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use swarm::random::Stream;
 
@@ -148,7 +148,7 @@ fn nothing_is_called_a_difference_at_most_once_in_twenty() {
 
 #[test]
 #[ignore = "prints the table of docs/statistics.md"]
-#[allow(clippy::print_stdout)]
+#[allow(clippy::print_stdout, reason = "it prints a table")]
 fn table() {
     for shape in [NORMAL, SKEWED, BOUNDED, STUCK, EXPONENTIAL] {
         for n in SIZES {

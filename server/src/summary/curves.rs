@@ -126,7 +126,7 @@ fn group(set: Set, mut runs: Vec<RunCurve>, points: usize, show_runs: bool) -> G
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use std::convert::Infallible;
 
     use serde_json::json;

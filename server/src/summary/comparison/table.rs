@@ -1,5 +1,10 @@
 //! A comparison as CSV and as Markdown.
 
+#![allow(
+    clippy::let_underscore_must_use,
+    reason = "writing to a string cannot fail"
+)]
+
 use std::fmt::Write;
 
 use api::comparison::Comparison;
@@ -18,7 +23,6 @@ pub fn csv(comparison: &Comparison) -> String {
     let high = |interval: &Option<Interval>| number(interval.as_ref().map(|it| it.high));
     for pair in &comparison.pairs {
         let label = |place: usize| quoted(&comparison.groups[place].label);
-        // Writing to a string cannot fail.
         let _ = writeln!(
             text,
             "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}",
