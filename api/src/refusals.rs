@@ -44,10 +44,12 @@ pub const REFUSED: &[RefusedCase] = &[
         problem: Some(InvalidJson),
         ..spec("text that is not JSON")
     },
+    spec("a key that stands in its object twice"),
     spec("a field that does not exist (the nearest name is told)"),
     spec("a number out of range or a value of the wrong kind"),
     spec("an unknown arena, method, preset, engine or placement"),
     spec("an arena with a wall outside it or a start inside a wall"),
+    spec("an arena written out under a built-in one's name, with other walls"),
     spec("more tiles of an arena than fit, a wrong scale or doorway"),
     spec("more robots than the arena has start poses"),
     spec("more robots than fit under the placement `grid` or `random`"),
@@ -59,6 +61,10 @@ pub const REFUSED: &[RefusedCase] = &[
     spec("recording (not built yet)"),
     service(
         "a matrix with a wrong path, no value or twice the same run",
+        InvalidDocument,
+    ),
+    service(
+        "a parameter varied for a method that does not have it",
         InvalidDocument,
     ),
     service(

@@ -9,7 +9,7 @@ use clap::Subcommand;
 use swarm::robot::RobotParameters;
 
 use super::{Failure, output};
-use crate::documents::{self, ArenaSource, BuiltinArenas};
+use crate::documents::{self, ArenaSource, BuiltinArenas, arena_error};
 
 /// Gates whose width differs from the robot's by at most this are told, metres.
 const GATE_WITHIN_M: f64 = 1e-3;
@@ -49,7 +49,8 @@ pub fn arenas(command: &ArenasCommand) -> Result<(), Failure> {
             let arena = load(file)?;
             let errors = arena.check_starts(body_radius_m());
             if !errors.is_empty() {
-                return Err(wrong(errors));
+                let errors = errors.into_iter().map(arena_error);
+                return Err(Failure::WrongSpec(errors.collect()));
             }
             output::say(described(&arena))?;
             for line in gates(&arena) {
@@ -93,11 +94,9 @@ fn draw(name: &str, out: Option<&Path>) -> Result<(), Failure> {
 fn load(file: &Path) -> Result<Arena, Failure> {
     let text =
         std::fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
-    Arena::from_json(&text).map_err(wrong)
-}
-
-fn wrong(errors: Vec<arenas::ArenaError>) -> Failure {
-    Failure::WrongSpec(errors.into_iter().map(documents::arena_error).collect())
+    documents::parse(&text)
+        .and_then(|value| documents::read_arena(&value))
+        .map_err(Failure::WrongSpec)
 }
 
 /// Radius of the default robot.

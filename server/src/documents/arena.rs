@@ -176,6 +176,7 @@ fn tiled(value: &Value, source: &dyn ArenaSource, depth: u32) -> Result<Found, V
         .arena
         .tiled(&tiling)
         .map_err(|errors| errors.into_iter().map(arena_error).collect::<Vec<_>>())?;
+    check_name(&arena)?;
     let per_tile = tiling.squares.unwrap_or(from.arena.squares());
     let shown = serde_json::json!({
         "from": from.shown,
@@ -192,6 +193,18 @@ fn tiled(value: &Value, source: &dyn ArenaSource, depth: u32) -> Result<Found, V
         arena: Arc::new(arena),
         shown: ArenaRef::Inline(shown),
     })
+}
+
+/// Results of an arena that only has the name of a built-in one would be taken for the latter's.
+fn check_name(arena: &Arena) -> Result<(), Vec<FieldError>> {
+    match BuiltinArenas.arena(arena.name()) {
+        Some(builtin) if builtin.content_key() != arena.content_key() => {
+            let name = arena.name();
+            let message = format!("{name:?} is the name of a built-in arena, which is another");
+            Err(vec![FieldError::new("/name", message, "a name of its own")])
+        }
+        _ => Ok(()),
+    }
 }
 
 /// A field of an arena made of another; `None` when it is absent or null, or wrong.
@@ -228,7 +241,11 @@ fn by_name(name: &str, source: &dyn ArenaSource) -> Result<Found, Vec<FieldError
     }
 }
 
-fn inline(value: &Value) -> Result<Found, Vec<FieldError>> {
+/// Reads an arena that is written out.
+///
+/// # Errors
+/// Every wrong field, with pointers into `value`.
+pub fn read_arena(value: &Value) -> Result<Arena, Vec<FieldError>> {
     let mut errors = Errors::default();
     let object = Object::open(value, "", FIELDS, &mut errors);
     if let Some(Value::Array(starts)) = object.and_then(|object| object.get("starts")) {
@@ -252,9 +269,15 @@ fn inline(value: &Value) -> Result<Found, Vec<FieldError>> {
             FIELDS.join(", "),
         )]
     })?;
-    let arena = format
-        .build()
-        .map_err(|errors| errors.into_iter().map(arena_error).collect::<Vec<_>>())?;
+    format.build().map_err(|wrong| {
+        errors.extend(wrong.into_iter().map(arena_error));
+        errors.into_vec()
+    })
+}
+
+fn inline(value: &Value) -> Result<Found, Vec<FieldError>> {
+    let arena = read_arena(value)?;
+    check_name(&arena)?;
     Ok(Found {
         shown: ArenaRef::Inline(shown(&arena)),
         arena: Arc::new(arena),

@@ -161,6 +161,11 @@ fn set_all(
     }
 }
 
+/// Parameters of the learner as they are shown, at their defaults.
+pub fn defaults() -> BTreeMap<String, Value> {
+    shown_values(ControllerParameters::default().shown())
+}
+
 fn shown_values(shown: Vec<(&'static str, Shown)>) -> BTreeMap<String, Value> {
     shown
         .into_iter()

@@ -12,6 +12,7 @@ use super::fields::{Errors, Object, did_you_mean, join, kind};
 use super::labels::labels;
 use super::limits::MAX_SEED;
 use super::matrix::{Axis, Target, axes, combination, place_of};
+use super::method_parameters::has_parameter;
 use super::parts::{Part, parts};
 use super::placement::misfits;
 use super::resolve::resolve_with;
@@ -131,7 +132,7 @@ fn together(
                 ..design
             }));
         let twin = expanded.runs.iter().find_map(|run| {
-            let earlier = known.insert(run.key(), number)?;
+            let earlier = known.insert((run.essence(), run.seed()), number)?;
             Some(&parts[earlier].name)
         });
         if let Some(earlier) = twin {
@@ -378,11 +379,11 @@ fn resolve_all(
             Ok(spec) => match resolve_with(&spec, arenas) {
                 Err(wrong) => wrong.into_iter().map(|e| in_job(e, axes, place)).collect(),
                 Ok(run) => {
-                    let twin = first_of.insert(run.digest(), place);
+                    let twin = first_of.insert(run.essence(), place);
                     runs.push(run);
-                    twin.map(|twin| same_run(axes, twin, place))
-                        .into_iter()
-                        .collect()
+                    let made = runs.last().zip(twin);
+                    let same = made.map(|(run, twin)| same_run(run, axes, twin, place));
+                    same.into_iter().collect()
                 }
             },
         };
@@ -435,24 +436,34 @@ fn leads_into(pointer: &str, target: &Target<'_>) -> bool {
         .is_some_and(|rest| rest.starts_with('/'))
 }
 
-/// Two combinations that resolve to one run, told at an axis in which they differ.
-fn same_run(axes: &[Axis<'_>], first: usize, second: usize) -> FieldError {
+/// Two combinations that make one run, told at an axis in which they differ.
+fn same_run(run: &ResolvedRun, axes: &[Axis<'_>], first: usize, second: usize) -> FieldError {
+    let places = place_of(axes, first)
+        .into_iter()
+        .zip(place_of(axes, second));
     let differing = axes
         .iter()
-        .zip(
-            place_of(axes, first)
-                .into_iter()
-                .zip(place_of(axes, second)),
-        )
+        .zip(places)
         .find(|(_, (one, other))| one != other);
     let pointer = match differing {
         Some((axis, (_, index))) => format!("{}/{index}", join("/matrix", axis.path)),
         None => "/matrix".to_owned(),
     };
+    let states_from = run.common_spec().controller.parameters.states_from;
+    let without = differing.iter().flat_map(|(axis, _)| &axis.targets);
+    let without = without
+        .filter_map(|target| target.path.strip_prefix("controller."))
+        .filter(|name| !has_parameter(run.method(), states_from, name));
+    let without: Vec<&str> = without.collect();
+    if without.is_empty() {
+        let message = "makes a run that the job already has";
+        return FieldError::new(pointer, message, "values that differ");
+    }
+    let (method, names) = (run.method().name(), without.join(", "));
     FieldError::new(
         pointer,
-        "makes a run that the job already has",
-        "values that differ",
+        format!("makes a run that the job already has: {method} has no {names}"),
+        format!("{names} only with methods that have it: `parts` have a matrix each"),
     )
 }
 

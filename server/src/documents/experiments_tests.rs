@@ -6,6 +6,8 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
+use api::FieldError;
+
 use super::*;
 
 /// What a file is, and how many runs it makes.

@@ -3,9 +3,21 @@
 use api::FieldError;
 use serde_json::{Map, Value};
 
-/// Every error found so far.
+/// Errors that are listed; the others are counted.
+pub const LISTED_ERRORS: usize = 100;
+/// Most characters of a pointer, a message or what is allowed.
+const MAX_CHARACTERS: usize = 2_000;
+/// Most characters of a name that is repeated to its sender, or looked for among those known.
+const MAX_NAME: usize = 64;
+/// How the error that stands for those not listed begins and ends.
+const REST: [&str; 2] = ["and ", " wrong fields more"];
+
+/// The errors found so far, as many as are listed.
 #[derive(Debug, Default)]
-pub struct Errors(Vec<FieldError>);
+pub struct Errors {
+    listed: Vec<FieldError>,
+    more: u64,
+}
 
 impl Errors {
     /// Adds one.
@@ -15,23 +27,66 @@ impl Errors {
         message: impl Into<String>,
         allowed: impl Into<String>,
     ) {
-        self.0.push(FieldError::new(pointer, message, allowed));
+        self.extend([FieldError::new(pointer, message, allowed)]);
     }
 
     /// Adds some.
     pub fn extend(&mut self, errors: impl IntoIterator<Item = FieldError>) {
-        self.0.extend(errors);
+        for mut error in errors {
+            if let Some(more) = rest(&error) {
+                self.more += more;
+            } else if self.is_full() {
+                self.more += 1;
+            } else {
+                for text in [&mut error.pointer, &mut error.message, &mut error.allowed] {
+                    cut(text, MAX_CHARACTERS);
+                }
+                self.listed.push(error);
+            }
+        }
     }
 
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.listed.is_empty()
     }
 
-    /// All of them, in the order in which they were found.
-    pub fn into_vec(self) -> Vec<FieldError> {
-        self.0
+    /// Whether more are only counted.
+    pub fn is_full(&self) -> bool {
+        self.listed.len() >= LISTED_ERRORS
     }
+
+    /// Them in the order in which they were found; the last one says how many more there are.
+    pub fn into_vec(mut self) -> Vec<FieldError> {
+        if self.more > 0 {
+            let message = format!("{}{}{}", REST[0], self.more, REST[1]);
+            self.listed.push(FieldError::new("", message, ""));
+        }
+        self.listed
+    }
+}
+
+/// How many errors this one stands for, if it is the last of a list that was cut.
+fn rest(error: &FieldError) -> Option<u64> {
+    let number = error.message.strip_prefix(REST[0])?.strip_suffix(REST[1])?;
+    error.allowed.is_empty().then(|| number.parse().ok())?
+}
+
+/// Cuts a text behind this many characters.
+fn cut(text: &mut String, most: usize) {
+    if text.len() > most
+        && let Some((end, _)) = text.char_indices().nth(most)
+    {
+        text.truncate(end);
+        text.push('…');
+    }
+}
+
+/// A name as it is, or its beginning.
+fn in_short(name: &str) -> String {
+    let mut name = name.to_owned();
+    cut(&mut name, MAX_NAME);
+    name
 }
 
 /// A JSON object at a place in a document.
@@ -59,10 +114,15 @@ impl<'a> Object<'a> {
         };
         let known: Vec<&str> = known.into_iter().collect();
         for name in map.keys().filter(|name| !known.contains(&name.as_str())) {
+            if errors.is_full() {
+                errors.more += 1;
+                continue;
+            }
             errors.add(
                 join(pointer, name),
                 format!(
-                    "there is no field {name:?} here{}",
+                    "there is no field {:?} here{}",
+                    in_short(name),
                     did_you_mean(name, &known)
                 ),
                 known.join(", "),
@@ -131,7 +191,11 @@ impl<'a> Object<'a> {
         let message = match value {
             Value::String(text) => match read(text) {
                 Some(choice) => return choice,
-                None => format!("there is no {name} {text:?}{}", did_you_mean(text, names)),
+                None => format!(
+                    "there is no {name} {:?}{}",
+                    in_short(text),
+                    did_you_mean(text, names)
+                ),
             },
             _ => format!("must be a string, not {}", kind(value)),
         };
@@ -164,6 +228,9 @@ pub fn kind(value: &Value) -> &'static str {
 
 /// `; did you mean "..."?` when a known name is near, else nothing.
 pub fn did_you_mean<S: AsRef<str>>(name: &str, known: &[S]) -> String {
+    if name.len() > MAX_NAME {
+        return String::new();
+    }
     known
         .iter()
         .map(|candidate| {
@@ -181,4 +248,40 @@ pub fn did_you_mean<S: AsRef<str>>(name: &str, known: &[S]) -> String {
 /// The pointer of a member, escaped after RFC 6901.
 pub fn join(pointer: &str, name: &str) -> String {
     format!("{pointer}/{}", name.replace('~', "~0").replace('/', "~1"))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn errors_are_listed_up_to_a_number_and_then_counted() {
+        let mut errors = Errors::default();
+        let map: Map<String, Value> = (0..300_000)
+            .map(|n| (format!("x{n}"), Value::Null))
+            .collect();
+        Object::open(&Value::Object(map), "/here", ["epochs"], &mut errors);
+        let told = errors.into_vec();
+        assert_eq!(told.len(), LISTED_ERRORS + 1);
+        assert_eq!(told.last().unwrap().message, "and 299900 wrong fields more");
+        // Taken over into another list, the count stays what it is.
+        let mut all = Errors::default();
+        all.add("/a", "is wrong", "right");
+        all.extend(told);
+        let told = all.into_vec();
+        assert_eq!(told.len(), LISTED_ERRORS + 1);
+        assert_eq!(told.last().unwrap().message, "and 299901 wrong fields more");
+    }
+
+    #[test]
+    fn what_is_told_of_an_endless_name_ends() {
+        let name = "é".repeat(1_000_000);
+        let mut errors = Errors::default();
+        let map = Map::from_iter([(name, Value::Null)]);
+        Object::open(&Value::Object(map), "", ["epochs"], &mut errors);
+        let told = errors.into_vec();
+        assert!(told[0].pointer.chars().count() <= MAX_CHARACTERS + 1);
+        assert!(told[0].message.chars().count() < 200);
+    }
 }

@@ -12,6 +12,8 @@ mod learning;
 mod limits;
 mod listing;
 mod matrix;
+mod method_parameters;
+mod parse;
 mod parts;
 mod placement;
 mod resolve;
@@ -19,12 +21,13 @@ mod resolved;
 mod template_list;
 mod templates;
 
-pub use arena::{ArenaSource, BuiltinArenas, arena_error};
+pub use arena::{ArenaSource, BuiltinArenas, arena_error, read_arena};
 pub use design::{Design, DesignAxis};
 pub use expand::{ExpandedJob, MAX_RUNS, expand, run_count};
 pub use limits::{MAX_EPOCHS, MAX_ROBOTS, MAX_SEED, MAX_STEPS_PER_EPOCH};
 pub use listing::controllers;
 pub(crate) use matrix::indices_at;
+pub use parse::parse;
 pub use resolve::{field_error, resolve};
 pub use resolved::ResolvedRun;
 pub use template_list::templates;
@@ -32,27 +35,12 @@ pub use templates::{
     CHAPTER_5, ENGINE_METHODS, SHORT_PHASE_ARENA, SHORT_PHASE_METHOD, SHORT_PHASES, chapter_5,
 };
 
-use api::FieldError;
-use serde_json::Value;
-
-/// Parses JSON text.
-///
-/// # Errors
-/// One error on the whole document that says where the text stops being JSON.
-pub fn parse(text: &str) -> Result<Value, Vec<FieldError>> {
-    serde_json::from_str(text).map_err(|error| {
-        vec![FieldError::new(
-            "",
-            format!("not JSON: {error}"),
-            "a JSON object",
-        )]
-    })
-}
-
 #[cfg(test)]
 mod expand_tests;
 #[cfg(test)]
 mod experiments_tests;
+#[cfg(test)]
+mod input_tests;
 #[cfg(test)]
 mod resolve_tests;
 #[cfg(test)]

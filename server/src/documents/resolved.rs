@@ -7,6 +7,9 @@ use sha2::{Digest, Sha256};
 use swarm::spec::{EngineKind, Method, RunSpec};
 use swarm::{RESULTS_VERSION, ValidSpec};
 
+use super::controller;
+use super::method_parameters::has_parameter;
+
 /// A checked run spec with every default filled in. Cheap to clone: runs of a job that differ in
 /// their seed alone share everything else.
 #[derive(Clone, Debug)]
@@ -19,6 +22,7 @@ pub struct ResolvedRun {
 #[derive(Debug)]
 struct Common {
     digest: [u8; 32],
+    essence: [u8; 32],
     run: ValidSpec,
     shown: api::RunSpec,
     /// The canonical text, but for the line with the seed.
@@ -32,10 +36,12 @@ impl ResolvedRun {
         shown.seed = None;
         let text = text(&shown);
         let digest = digest(&run, &text);
+        let essence = essence(&run, &shown).unwrap_or(digest);
         Self {
             seed,
             common: Arc::new(Common {
                 digest,
+                essence,
                 run,
                 shown,
                 text,
@@ -44,9 +50,10 @@ impl ResolvedRun {
         }
     }
 
-    /// SHA-256 over all but the seed.
-    pub(super) fn digest(&self) -> [u8; 32] {
-        self.common.digest
+    /// SHA-256 over all but the seed and the parameters that the method does not have: runs that are
+    /// alike in this come to the same with the same seed.
+    pub(super) fn essence(&self) -> [u8; 32] {
+        self.common.essence
     }
 
     /// The same run with another seed.
@@ -159,6 +166,25 @@ fn text(spec: &api::RunSpec) -> String {
     let mut text = serde_json::to_string_pretty(spec).expect("a spec is JSON");
     text.push('\n');
     text
+}
+
+/// The digest with every parameter that the method does not have at its default; `None` where they
+/// are.
+fn essence(run: &RunSpec, shown: &api::RunSpec) -> Option<[u8; 32]> {
+    let states_from = run.controller.parameters.states_from;
+    let given = &shown.controller.as_ref()?.parameters;
+    let mut plain = given.clone();
+    for (name, value) in controller::defaults() {
+        if !has_parameter(run.controller.method, states_from, &name) {
+            plain.insert(name, value);
+        }
+    }
+    if plain == *given {
+        return None;
+    }
+    let mut shown = shown.clone();
+    shown.controller.as_mut()?.parameters = plain;
+    Some(digest(run, &text(&shown)))
 }
 
 /// SHA-256 over the version of results, the text of a spec and the contents of its arenas.

@@ -1,6 +1,6 @@
 //! `/v1/arenas`: list, upload, show, draw, delete.
 
-use api::{ArenaListing, FieldError, ProblemCode};
+use api::{ArenaListing, ProblemCode};
 use arenas::{Arena, SvgOptions, render_svg};
 use axum::body::Bytes;
 use axum::extract::{Path, State};
@@ -14,7 +14,7 @@ use serde_json::json;
 use super::App;
 use super::refusal::Refusal;
 use super::request::{parse, said_to_be_json};
-use crate::documents::{ArenaSource, BuiltinArenas};
+use crate::documents::{ArenaSource, BuiltinArenas, read_arena};
 use crate::scheduler::StoredArenas;
 use crate::store::{ArenaDeletion, StoredArena};
 
@@ -50,13 +50,7 @@ async fn create(
 ) -> Result<Response, Refusal> {
     said_to_be_json(&headers)?;
     app.blocking(move |app| {
-        parse(&body)?;
-        let arena = Arena::from_json(&String::from_utf8_lossy(&body)).map_err(|errors| {
-            let told = errors
-                .into_iter()
-                .map(|e| FieldError::new(e.pointer, e.message, e.allowed));
-            Refusal::fields(told.collect())
-        })?;
+        let arena = read_arena(&parse(&body)?).map_err(Refusal::fields)?;
         let name = arena.name().to_owned();
         if BuiltinArenas.arena(&name).is_some() {
             let detail = format!("{name} is the name of a built-in arena");

@@ -25,7 +25,7 @@ pub fn said_to_be_json(headers: &HeaderMap) -> Result<(), Refusal> {
 /// The body as JSON.
 ///
 /// # Errors
-/// 400 that says where the text stops being JSON.
+/// 400 that says where the text stops being JSON, 422 for keys that stand twice.
 pub fn parse(body: &[u8]) -> Result<Value, Refusal> {
     let not_json = |message: String| {
         let errors = vec![FieldError::new("", message, "a JSON object")];
@@ -34,7 +34,11 @@ pub fn parse(body: &[u8]) -> Result<Value, Refusal> {
     let text =
         std::str::from_utf8(body).map_err(|error| not_json(format!("not UTF-8: {error}")))?;
     crate::documents::parse(text).map_err(|errors| {
-        Refusal::new(ProblemCode::InvalidJson, "the body is not JSON").with_errors(errors)
+        if errors.iter().all(|error| error.pointer.is_empty()) {
+            Refusal::new(ProblemCode::InvalidJson, "the body is not JSON").with_errors(errors)
+        } else {
+            Refusal::fields(errors)
+        }
     })
 }
 

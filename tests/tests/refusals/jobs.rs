@@ -56,6 +56,13 @@ fn wrong_jobs_are_refused() {
             json!({ "matrix": { "seed": [1, 2] } }),
             "/matrix/seed",
         ),
+        (
+            "a parameter varied for a method that does not have it",
+            json!({ "matrix": {
+                "controller.method": ["im", "brownian"], "controller.eta": [0.1, 0.2]
+            } }),
+            "/matrix/controller.eta/1",
+        ),
         (parts, json!({ "parts": [{}], "matrix": {} }), "/matrix"),
         (parts, json!({ "parts": [{}, {}] }), "/parts/1"),
         (

@@ -17,7 +17,7 @@ fn wrong_requests_are_refused() {
         server.send("POST", "/v1/jobs", headers, body)
     };
     let not_json = "text that is not JSON";
-    for text in ["{", "", "nonsense", "{\"a\": 1,}", "\u{feff}{}"] {
+    for text in ["{", "", "nonsense", "{\"a\": 1,}", "{\u{feff}}"] {
         let out = home.path().join("out");
         let done = evswarm(&["run", "-", "--out", out.to_str().unwrap()], text);
         assert_eq!(
@@ -30,6 +30,24 @@ fn wrong_requests_are_refused() {
         assert_eq!(problem.errors.len(), 1, "{text:?}");
     }
     post(&[as_json], b"\xff\xfe").refused(not_json);
+    let key = "a key that stands in its object twice";
+    let twice = r#"{"arena": "easy", "epochs": 1, "epochs": 2}"#;
+    let out = home.path().join("out");
+    let done = evswarm(&["run", "-", "--out", out.to_str().unwrap()], twice);
+    assert_eq!(done.code, row(key).exit.map(i32::from), "{done:?}");
+    assert!(done.stderr.starts_with("/epochs: the key"), "{done:?}");
+    let twice = r#"{"base": {}, "matrix": {"epochs": [1], "epochs": [2]}}"#;
+    let problem = post(&[as_json], twice.as_bytes()).refused(key);
+    assert_eq!(problem.errors[0].pointer, "/matrix/epochs");
+    let many: Vec<String> = (0..300_000).map(|n| format!("\"x{n}\":0")).collect();
+    let many = format!("{{{}}}", many.join(","));
+    let answer = post(&[as_json], many.as_bytes());
+    assert!(answer.body.len() < 100_000, "{} bytes", answer.body.len());
+    let errors = answer
+        .refused("a field that does not exist (the nearest name is told)")
+        .errors;
+    assert_eq!(errors.len(), 101);
+    assert_eq!(errors[100].message, "and 299900 wrong fields more");
     post(&[as_json], "[".repeat(100_000).as_bytes()).refused(not_json);
     let large = vec![b' '; (4 << 20) + 1];
     post(&[as_json], &large).refused("a body of more than 4 MiB");

@@ -204,6 +204,16 @@ pub fn wrong_specs() -> Vec<Wrong> {
             "",
         ),
         (
+            "an arena written out under a built-in one's name, with other walls",
+            "/arena",
+            json!({
+                "name": "easy", "width_m": 0.6, "height_m": 0.6, "walls_m": [],
+                "starts": [{ "x_m": 0.1, "y_m": 0.1, "heading_rad": 0.0 }]
+            }),
+            "/arena/name",
+            "built-in",
+        ),
+        (
             tiles,
             "/arena",
             json!({ "from": "easy", "tile": [11, 1] }),
