@@ -28,8 +28,8 @@ pub use result::{
     ModelAccuracy, ObjectResult, RunResult, Squares, SwarmMetrics,
 };
 pub use spec::{
-    ArenaRef, ControllerSpec, JobSpec, RecordSpec, RobotSpec, RunSpec, SCHEMA, Seeds, SharingSpec,
-    TrainSpec,
+    ArenaRef, ControllerSpec, JobSpec, PlacementSpec, RecordSpec, RobotSpec, RunSpec, SCHEMA,
+    Seeds, SharingSpec, TrainSpec,
 };
 pub use state::{Progress, State};
 pub use summary::JobSummary;

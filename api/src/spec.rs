@@ -36,9 +36,9 @@ pub struct RunSpec {
     /// Robots in the arena.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub robots: Option<u32>,
-    /// `start`, `grid` or `random`.
+    /// `start`, `grid` or `random`; or an object, to place robots where no start pose reaches.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub placement: Option<String>,
+    pub placement: Option<PlacementSpec>,
     /// `reset` or `continue`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub episodes: Option<String>,
@@ -181,4 +181,20 @@ pub enum Seeds {
     },
     /// These.
     List(Vec<u64>),
+}
+
+/// Where robots stand when an epoch starts.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum PlacementSpec {
+    /// `start`, `grid` or `random`.
+    Kind(String),
+    /// The same, with more said.
+    Said {
+        /// `grid` or `random`; `start` where nothing is anywhere.
+        kind: String,
+        /// Whether robots may stand where no start pose of the arena reaches.
+        #[serde(default)]
+        anywhere: bool,
+    },
 }

@@ -159,18 +159,25 @@ impl FreeSpace {
         (gap.from_m - TOLERANCE_M <= point.x).then_some(first + next)
     }
 
-    /// The set of gaps that hang together with this one.
-    pub fn set_of(&mut self, gap: usize) -> u32 {
-        self.sets.find(gap as u32)
+    /// Of each gap, whether it hangs together with one that a start is on.
+    pub fn reached_from(&mut self, starts: impl Iterator<Item = Point2<f64>>) -> Vec<bool> {
+        let mut reached = vec![false; self.gaps.len()];
+        let mut is_reached = vec![false; self.gaps.len()];
+        for start in starts {
+            if let Some(gap) = self.gap_at(start) {
+                is_reached[self.sets.find(gap as u32) as usize] = true;
+            }
+        }
+        for (gap, reached) in (0..).zip(&mut reached) {
+            *reached = is_reached[self.sets.find(gap) as usize];
+        }
+        reached
     }
 
-    /// The gaps of a line that belong to a set.
-    pub fn gaps_of(&mut self, line: usize, set: u32) -> impl Iterator<Item = Gap> {
-        let Self { lines, gaps, sets } = self;
-        let members = lines[line].gaps.clone();
-        members
-            .filter(move |&gap| sets.find(gap as u32) == set)
-            .map(|gap| gaps[gap])
+    /// The gaps of a line, each with its number.
+    pub fn gaps_of(&self, line: usize) -> impl Iterator<Item = (usize, Gap)> {
+        let gaps = self.lines[line].gaps.clone();
+        gaps.map(|gap| (gap, self.gaps[gap]))
     }
 }
 

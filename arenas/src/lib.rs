@@ -9,6 +9,7 @@
 //! | a seed | a maze, rooms, corridors or obstacles | [`GenerateFormat`] in [`ArenaFormat`] |
 //! | an arena and a body radius | starts that overlap a wall | [`Arena::check_starts`] |
 //! | the same and a start | the squares within reach | [`reachable()`] |
+//! | an arena and a body radius | whether places are within reach of a start | [`WithinReach`] |
 //! | an arena and a body radius | gates that the body just passes, or just does not | [`gates_at_the_limit`] |
 //! | a point | its square | [`Squares`] |
 //! | an arena | a drawing | [`render_svg`] |
@@ -62,7 +63,7 @@ pub use generate::{GenerateFormat, GeneratorKind, ObstacleShape, Parameter};
 pub use objects::{
     MAX_OBJECTS, Movable, OBJECT_FRICTION_RANGE, OBJECT_MASS_RANGE_KG, OBJECT_SIZE_RANGE_M,
 };
-pub use reachable::{Reachable, reachable};
+pub use reachable::{Reachable, WithinReach, reachable, reachable_from};
 pub use segment::Segment;
 pub use squares::Squares;
 pub use svg::{SvgOptions, render_svg};

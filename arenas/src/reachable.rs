@@ -1,5 +1,7 @@
 //! The squares that a disc's centre can reach from a start: the denominator of coverage.
 
+use nalgebra::Point2;
+
 use crate::arena::{Arena, Pose};
 use crate::free_space::FreeSpace;
 use crate::squares::Squares;
@@ -8,6 +10,8 @@ use crate::squares::Squares;
 const POINTS_PER_SIDE: u32 = 6;
 /// Most meetings of lines with walls, less than a second's work.
 const MOST_CROSSINGS: f64 = 8e6;
+/// Most starts that have a line of their own.
+const MOST_START_LINES: usize = 1_000;
 
 /// What a robot can reach in an arena.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,18 +33,72 @@ pub struct Reachable {
 /// reachable. In an arena of so many walls that their rows of points are too much work, squares
 /// have fewer rows of points, or some rows of squares have them in common.
 pub fn reachable(arena: &Arena, start: Pose, body_radius_m: f64) -> Reachable {
+    reachable_from(arena, &[start.position()], body_radius_m)
+}
+
+/// As [`reachable`], into which one disc or another can move from several starts.
+pub fn reachable_from(arena: &Arena, starts: &[Point2<f64>], body_radius_m: f64) -> Reachable {
     let squares = Squares::of(arena);
     let mut mask = vec![false; squares.count()];
     let rows = SampleRows::new(arena, &squares, body_radius_m);
-    let y_m = rows.with_lines([0.0, start.y_m, arena.height_m()]);
-    if let Some(mut space) = FreeSpace::new(arena, body_radius_m, y_m.iter().copied())
-        && let Some(gap) = space.gap_at(start.position())
-    {
-        let set = space.set_of(gap);
-        rows.mark(&mut space, set, &squares, &mut mask);
+    // A line through each start, as far as that is bounded work: else the line nearest to it.
+    let walls = arena.walls().len() + arena.boundary().len();
+    let exact = MOST_START_LINES.min(MOST_CROSSINGS as usize / walls);
+    let through = starts.iter().take(exact.max(1)).map(|start| start.y);
+    let y_m = rows.with_lines(through.chain([0.0, arena.height_m()]));
+    if let Some(mut space) = FreeSpace::new(arena, body_radius_m, y_m.iter().copied()) {
+        let reached = space.reached_from(starts.iter().copied());
+        rows.mark(&space, &reached, &squares, &mut mask);
     }
     let count = mask.iter().filter(|&&reached| reached).count() as u32;
     Reachable { mask, count }
+}
+
+/// Where the centre of a disc can come to, for asking about many places.
+#[derive(Debug)]
+pub struct WithinReach {
+    space: Option<FreeSpace>,
+    reached: Vec<bool>,
+}
+
+impl WithinReach {
+    /// Where a disc of `body_radius_m` can come to from one of the arena's start poses, for places
+    /// that have at least `room_m` more than the radius around them.
+    pub fn new(arena: &Arena, body_radius_m: f64, room_m: f64) -> Self {
+        // No place is farther from a line than the room around it, unless that is too much work.
+        let height_m = arena.height_m();
+        let crossings = crossings_of_a_metre(arena, body_radius_m) + height_m;
+        let spacing_m = (2.0 * room_m).max(crossings / MOST_CROSSINGS);
+        let lines = (height_m / spacing_m).ceil();
+        let regular = (0..=lines as u32).map(|line| height_m * f64::from(line) / lines);
+        let starts = || arena.starts().iter().take(MOST_START_LINES);
+        let mut y_m: Vec<f64> = regular.chain(starts().map(|start| start.y_m)).collect();
+        y_m.sort_by(f64::total_cmp);
+        y_m.dedup();
+        let mut space = FreeSpace::new(arena, body_radius_m, y_m.into_iter());
+        let reached = space.as_mut().map_or_else(Vec::new, |space| {
+            space.reached_from(arena.starts().iter().map(Pose::position))
+        });
+        Self { space, reached }
+    }
+
+    /// Whether a disc can come to this place, which is clear of walls.
+    pub fn holds(&self, x_m: f64, y_m: f64) -> bool {
+        let gap = self
+            .space
+            .as_ref()
+            .and_then(|space| space.gap_at(Point2::new(x_m, y_m)));
+        gap.is_some_and(|gap| self.reached[gap])
+    }
+}
+
+/// Meetings of walls with lines, if there were one a metre.
+fn crossings_of_a_metre(arena: &Arena, radius_m: f64) -> f64 {
+    let boundary = arena.boundary();
+    let walls = arena.walls().iter().chain(&boundary);
+    walls
+        .map(|wall| (wall.b.y - wall.a.y).abs() + 2.0 * radius_m)
+        .sum()
 }
 
 /// Rows of points along which squares are sampled.
@@ -57,13 +115,8 @@ impl SampleRows {
     /// As many as the walls allow.
     fn new(arena: &Arena, squares: &Squares, radius_m: f64) -> Self {
         let row_m = squares.size_m()[1];
-        let height_m: f64 = arena
-            .walls()
-            .iter()
-            .chain(&arena.boundary())
-            .map(|wall| (wall.b.y - wall.a.y).abs() + 2.0 * radius_m)
-            .sum();
-        let fits = |rows_per_square: f64| height_m * rows_per_square / row_m <= MOST_CROSSINGS;
+        let crossings = crossings_of_a_metre(arena, radius_m);
+        let fits = |rows_per_square: f64| crossings * rows_per_square / row_m <= MOST_CROSSINGS;
         let per_square = [POINTS_PER_SIDE, 3, 2, 1];
         let per_square = per_square.into_iter().find(|&rows| fits(f64::from(rows)));
         let mut squares_per_row = 1;
@@ -98,7 +151,7 @@ impl SampleRows {
     }
 
     /// Places of all rows and of some lines more, in rising order, each once.
-    fn with_lines(&self, more: [f64; 3]) -> Vec<f64> {
+    fn with_lines(&self, more: impl Iterator<Item = f64>) -> Vec<f64> {
         let mut y_m: Vec<f64> = (0..self.count()).map(|row| self.y_m(row)).collect();
         y_m.extend(more);
         y_m.sort_by(f64::total_cmp);
@@ -106,8 +159,8 @@ impl SampleRows {
         y_m
     }
 
-    /// Marks squares with a point in a set of gaps.
-    fn mark(&self, space: &mut FreeSpace, set: u32, squares: &Squares, mask: &mut [bool]) {
+    /// Marks squares with a point in a gap that is reached.
+    fn mark(&self, space: &FreeSpace, reached: &[bool], squares: &Squares, mask: &mut [bool]) {
         let columns = squares.columns();
         let points_per_m = f64::from(POINTS_PER_SIDE) / squares.size_m()[0];
         let last = columns * POINTS_PER_SIDE - 1;
@@ -117,7 +170,7 @@ impl SampleRows {
             while space.y_m(line) < y_m {
                 line += 1;
             }
-            for gap in space.gaps_of(line, set) {
+            for (_, gap) in space.gaps_of(line).filter(|&(gap, _)| reached[gap]) {
                 // Casts of negative numbers give 0.
                 let first = (gap.from_m * points_per_m - 0.5).ceil() as u32;
                 let end = (gap.to_m * points_per_m - 0.5).floor();

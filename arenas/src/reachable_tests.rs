@@ -301,6 +301,41 @@ fn corridors_narrower_than_the_body_are_closed_between_any_two_lines() {
 }
 
 #[test]
+fn places_are_within_reach_of_a_start_or_not() {
+    let closed = vec![
+        [0.2, 0.2, 0.5, 0.2],
+        [0.5, 0.2, 0.5, 0.5],
+        [0.5, 0.5, 0.2, 0.5],
+        [0.2, 0.5, 0.2, 0.2],
+    ];
+    let arena = with_walls(closed, 0.8);
+    let within = WithinReach::new(&arena, RADIUS_M, 1e-3);
+    for place in 0..10_000 {
+        let point = Point2::new(
+            f64::from(place % 100) / 100.0,
+            f64::from(place / 100) / 100.0,
+        );
+        let room_m = RADIUS_M + 1e-3;
+        let boundary = arena.boundary();
+        let walls = arena.walls().iter().chain(&boundary);
+        let clear = walls
+            .map(|wall| wall.distance_squared_m2(point))
+            .fold(1.0, f64::min);
+        if clear < room_m * room_m {
+            continue;
+        }
+        let inside = (0.2..0.5).contains(&point.x) && (0.2..0.5).contains(&point.y);
+        assert_eq!(within.holds(point.x, point.y), !inside, "{point}");
+    }
+    // From two starts, both rooms are.
+    let one = count(&arena);
+    let starts = [Point2::new(0.8, 0.5), Point2::new(0.35, 0.35)];
+    let both = reachable_from(&arena, &starts, RADIUS_M).count;
+    let inner = reachable_from(&arena, &starts[1..], RADIUS_M).count;
+    assert!(inner > 400 && both == one + inner, "{one} {inner} {both}");
+}
+
+#[test]
 fn giant_arenas_are_quick() {
     let long = |height_m: f64, generate| ArenaFormat {
         name: Some("long".to_owned()),
@@ -476,17 +511,13 @@ proptest! {
             y_m.extend((0..lines).map(|line| (line as f64 + shift) / lines as f64));
             y_m.sort_by(f64::total_cmp);
             let mut space = FreeSpace::new(&arena, radius_m, y_m.into_iter()).unwrap();
-            let sets: Vec<Option<u32>> = points
-                .iter()
-                .map(|&(x, y)| {
-                    let gap = space.gap_at(Point2::new(x, y))?;
-                    Some(space.set_of(gap))
-                })
-                .collect();
-            // The first point of the same set stands for it.
-            sets.iter()
-                .map(|set| set.and_then(|set| sets.iter().position(|&other| other == Some(set))))
-                .collect::<Vec<_>>()
+            let points = points.iter().map(|&(x, y)| Point2::new(x, y));
+            let from = |start: Point2<f64>, space: &mut FreeSpace| {
+                let reached = space.reached_from(std::iter::once(start));
+                let is_reached = |point| space.gap_at(point).is_some_and(|gap| reached[gap]);
+                points.clone().map(is_reached).collect::<Vec<bool>>()
+            };
+            points.clone().map(|start| from(start, &mut space)).collect::<Vec<_>>()
         };
         let few = groups(0);
         prop_assert_eq!(&few, &groups(37));

@@ -1,7 +1,8 @@
-//! Start poses: from the arena, on a grid around its first start, or at random, never overlapping.
+//! Start poses: from the arena, on a grid around its first start, or at random; never overlapping,
+//! and where a start pose can reach unless it may be anywhere.
 
 use arenas::index::WallIndex;
-use arenas::{Arena, Movable, Pose};
+use arenas::{Arena, Movable, Pose, WithinReach};
 
 use crate::bodies::StartPose;
 use crate::random::{Purpose, Site, Stream, stream_key};
@@ -45,6 +46,11 @@ pub fn place(
     site: Site,
 ) -> Result<Vec<StartPose>, FieldError> {
     let wanted = robots as usize;
+    let within = || {
+        // The first robot of a grid stands at the first start pose.
+        let asked = !placement.is_anywhere() && (wanted > 1 || placement == Placement::Random);
+        asked.then(|| WithinReach::new(arena, model.parameters.body_radius_m, ROOM_M))
+    };
     let poses = match placement {
         Placement::Start => {
             enough_starts(arena, robots)?;
@@ -66,8 +72,14 @@ pub fn place(
                 .map(|p| start_pose(p.x_m, p.y_m, p.heading_rad))
                 .collect()
         }
-        Placement::Grid => grid(arena, model, index, wanted),
-        Placement::Random => random(arena, model, index, wanted, seed, site),
+        Placement::Grid | Placement::GridAnywhere => {
+            let room = Room::new(arena, index, model, within());
+            grid(&room, wanted)
+        }
+        Placement::Random | Placement::RandomAnywhere => {
+            let room = Room::new(arena, index, model, within());
+            random(&room, wanted, seed, site)
+        }
     };
     if poses.len() < wanted {
         return Err(refuse(
@@ -75,7 +87,7 @@ pub fn place(
             format!(
                 "at most {} robots with placement `{}`",
                 poses.len(),
-                placement.name()
+                placement.kind()
             ),
         ));
     }
@@ -124,19 +136,51 @@ fn overlapping(poses: &[Pose], radius_m: f64) -> Option<(usize, usize)> {
     first
 }
 
-fn is_free(arena: &Arena, index: &WallIndex, (x_m, y_m): (f64, f64), room_m: f64) -> bool {
-    let (x, y) = (x_m as f32, y_m as f32);
-    let place = nalgebra::Point2::new(x_m, y_m);
-    let clear = |object: &Movable| object.distance_m(place) >= room_m;
-    arena.objects().iter().all(clear)
-        && index
-            .touchable(x, y)
-            .iter()
-            .all(|&number| index.wall(number).nearest(x, y).2 >= (room_m * room_m) as f32)
+/// Where bodies can be put.
+struct Room<'a> {
+    arena: &'a Arena,
+    index: &'a WallIndex,
+    radius_m: f64,
+    /// Where a start pose reaches; anywhere without.
+    within: Option<WithinReach>,
+}
+
+impl<'a> Room<'a> {
+    fn new(
+        arena: &'a Arena,
+        index: &'a WallIndex,
+        model: &RobotModel,
+        within: Option<WithinReach>,
+    ) -> Self {
+        Self {
+            arena,
+            index,
+            radius_m: model.parameters.body_radius_m,
+            within,
+        }
+    }
+
+    /// Whether a body has room here, and a start pose reaches.
+    fn is_free(&self, x_m: f64, y_m: f64) -> bool {
+        let (x, y) = (x_m as f32, y_m as f32);
+        let room_m = self.radius_m + ROOM_M;
+        let place = nalgebra::Point2::new(x_m, y_m);
+        let clear = |object: &Movable| object.distance_m(place) >= room_m;
+        let touchable = self.index.touchable(x, y);
+        self.arena.objects().iter().all(clear)
+            && touchable
+                .iter()
+                .all(|&number| self.index.wall(number).nearest(x, y).2 >= (room_m * room_m) as f32)
+            && self
+                .within
+                .as_ref()
+                .is_none_or(|within| within.holds(x_m, y_m))
+    }
 }
 
 /// Grid points around the first start that the body fits on, ring by ring.
-fn grid(arena: &Arena, model: &RobotModel, index: &WallIndex, wanted: usize) -> Vec<StartPose> {
+fn grid(room: &Room<'_>, wanted: usize) -> Vec<StartPose> {
+    let (arena, radius) = (room.arena, room.radius_m);
     let Some(Pose {
         x_m: x0,
         y_m: y0,
@@ -145,7 +189,6 @@ fn grid(arena: &Arena, model: &RobotModel, index: &WallIndex, wanted: usize) -> 
     else {
         return Vec::new();
     };
-    let radius = model.parameters.body_radius_m;
     let pitch = 2.0 * radius + 2.0 * ROOM_M;
     let last_ring = (arena.width_m().max(arena.height_m()) / pitch) as i64 + 1;
     let mut poses = Vec::with_capacity(wanted);
@@ -162,7 +205,7 @@ fn grid(arena: &Arena, model: &RobotModel, index: &WallIndex, wanted: usize) -> 
                     && y > radius
                     && x < arena.width_m() - radius
                     && y < arena.height_m() - radius;
-                if inside && (ring == 0 || is_free(arena, index, (x, y), radius + ROOM_M)) {
+                if inside && (ring == 0 || room.is_free(x, y)) {
                     poses.push(start_pose(x, y, heading_rad));
                     if poses.len() == wanted {
                         return poses;
@@ -175,15 +218,8 @@ fn grid(arena: &Arena, model: &RobotModel, index: &WallIndex, wanted: usize) -> 
 }
 
 /// Uniformly random poses by rejection, against walls and against those already placed.
-fn random(
-    arena: &Arena,
-    model: &RobotModel,
-    index: &WallIndex,
-    wanted: usize,
-    seed: u64,
-    site: Site,
-) -> Vec<StartPose> {
-    let radius = model.parameters.body_radius_m;
+fn random(room: &Room<'_>, wanted: usize, seed: u64, site: Site) -> Vec<StartPose> {
+    let (arena, radius) = (room.arena, room.radius_m);
     let apart = 2.0 * radius + ROOM_M;
     let (width, height) = (arena.width_m(), arena.height_m());
     let (columns, rows) = ((width / apart) as usize + 1, (height / apart) as usize + 1);
@@ -203,7 +239,7 @@ fn random(
                 && x < width - radius - ROOM_M
                 && y < height - radius - ROOM_M;
             let clear = inside
-                && is_free(arena, index, (x, y), radius + ROOM_M)
+                && room.is_free(x, y)
                 && (row.saturating_sub(1)..=(row + 1).min(rows - 1)).all(|r| {
                     (column.saturating_sub(1)..=(column + 1).min(columns - 1)).all(|c| {
                         cells[r * columns + c].iter().all(|&(ox, oy)| {
@@ -283,5 +319,86 @@ mod tests {
             );
         }
         assert_eq!(most(&placed(&arena, Placement::Start, 7).unwrap_err()), 5);
+    }
+
+    #[test]
+    fn where_all_is_within_reach_the_poses_are_those_of_anywhere() {
+        let tiling = arenas::Tiling {
+            tile: [2, 2],
+            doorway_m: Some(0.2),
+            ..arenas::Tiling::default()
+        };
+        let easy = arenas::builtin("easy").unwrap();
+        let arenas = [
+            easy.tiled(&tiling).unwrap(),
+            easy,
+            arenas::builtin("maze").unwrap(),
+        ];
+        let model = RobotModel::default();
+        for arena in arenas {
+            let ground = Ground::new(std::sync::Arc::new(arena.clone()), &model);
+            let placed = |placement, seed| {
+                place(
+                    &arena,
+                    &model,
+                    &ground.index,
+                    placement,
+                    20,
+                    seed,
+                    Site::Target,
+                )
+                .unwrap()
+            };
+            for seed in 0..40 {
+                let anywhere = placed(Placement::RandomAnywhere, seed);
+                assert_eq!(
+                    placed(Placement::Random, seed),
+                    anywhere,
+                    "{}",
+                    arena.name()
+                );
+            }
+            assert_eq!(
+                placed(Placement::Grid, 1),
+                placed(Placement::GridAnywhere, 1)
+            );
+        }
+    }
+
+    #[test]
+    fn robots_stand_only_where_a_start_can_reach_unless_anywhere() {
+        let arena = Arena::from_json(
+            r#"{"name": "inbox", "width_m": 0.7, "height_m": 0.7, "walls_m": [[0.2, 0.2, 0.5, 0.2],
+                [0.5, 0.2, 0.5, 0.5], [0.5, 0.5, 0.2, 0.5], [0.2, 0.5, 0.2, 0.2]],
+                "starts": [{"x_m": 0.1, "y_m": 0.1, "heading_rad": 0}]}"#,
+        )
+        .unwrap();
+        let model = RobotModel::default();
+        let ground = Ground::new(std::sync::Arc::new(arena.clone()), &model);
+        let inside = |placement, seed| {
+            let poses = place(
+                &arena,
+                &model,
+                &ground.index,
+                placement,
+                12,
+                seed,
+                Site::Target,
+            );
+            let box_m = 0.2..0.5;
+            let poses = poses.unwrap();
+            let inside = poses
+                .iter()
+                .filter(|p| box_m.contains(&p.x_m) && box_m.contains(&p.y_m));
+            inside.count()
+        };
+        let mut anywhere = 0;
+        for seed in 0..20 {
+            assert_eq!(inside(Placement::Random, seed), 0);
+            anywhere += inside(Placement::RandomAnywhere, seed);
+        }
+        assert!(anywhere > 10, "{anywhere}");
+        assert_eq!(inside(Placement::Grid, 1), 0);
+        assert!(inside(Placement::GridAnywhere, 1) > 0);
     }
 }

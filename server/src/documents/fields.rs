@@ -250,6 +250,11 @@ pub fn join(pointer: &str, name: &str) -> String {
     format!("{pointer}/{}", name.replace('~', "~0").replace('/', "~1"))
 }
 
+/// An error of the `swarm` crate as one of the service's.
+pub fn field_error(error: swarm::spec::FieldError) -> FieldError {
+    FieldError::new(error.pointer, error.message, error.allowed)
+}
+
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]

@@ -101,3 +101,36 @@ fn many_wrong_walls_and_starts_are_counted() {
     assert_eq!(errors.len(), 101);
     assert_eq!(errors[100].message, "and 4901 wrong fields more");
 }
+
+#[test]
+fn placement_is_a_kind_or_says_that_robots_may_be_anywhere() {
+    let spec = |placement: Value| json!({ "arena": "easy", "placement": placement, "robots": 2 });
+    let plain = resolved(spec(json!("random")));
+    let said = resolved(spec(json!({ "kind": "random", "anywhere": false })));
+    assert_eq!(plain.canonical_json(), said.canonical_json());
+    let anywhere = resolved(spec(json!({ "kind": "random", "anywhere": true })));
+    assert_ne!(plain.key(), anywhere.key());
+    let again = resolved(parse(&anywhere.canonical_json()).unwrap());
+    assert_eq!(again.key(), anywhere.key());
+    for (wrong, pointer) in [
+        (json!("random-anywhere"), "/placement"),
+        (json!({ "kind": "rnadom" }), "/placement/kind"),
+        (
+            json!({ "kind": "grid", "anywere": true }),
+            "/placement/anywere",
+        ),
+        (
+            json!({ "kind": "grid", "anywhere": 1 }),
+            "/placement/anywhere",
+        ),
+        (json!({ "anywhere": true }), "/placement/anywhere"),
+        (json!(["grid"]), "/placement"),
+    ] {
+        refused(resolve(&spec(wrong), &BuiltinArenas).map(drop), pointer, "");
+    }
+    let job = json!({
+        "base": { "arena": "easy", "robots": 2, "placement": { "kind": "random" } },
+        "matrix": { "placement.anywhere": [false, true] }
+    });
+    assert_eq!(expand(&job, &BuiltinArenas).unwrap().runs.len(), 2);
+}

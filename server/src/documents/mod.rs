@@ -24,11 +24,12 @@ mod templates;
 pub use arena::{ArenaSource, BuiltinArenas, arena_error, read_arena};
 pub use design::{Design, DesignAxis};
 pub use expand::{ExpandedJob, MAX_RUNS, expand, run_count};
+pub use fields::field_error;
 pub use limits::{MAX_EPOCHS, MAX_ROBOTS, MAX_SEED, MAX_STEPS_PER_EPOCH};
 pub use listing::controllers;
 pub(crate) use matrix::indices_at;
 pub use parse::parse;
-pub use resolve::{field_error, resolve};
+pub use resolve::resolve;
 pub use resolved::ResolvedRun;
 pub use template_list::templates;
 pub use templates::{

@@ -1,17 +1,61 @@
-//! Whether the robots of a job's runs can be put into their arenas, found before it is stored.
+//! The field `placement`, and whether the robots of a job's runs can be put into their arenas, found
+//! before it is stored.
 
 use std::collections::BTreeMap;
 
+use api::PlacementSpec;
+use serde_json::Value;
 use swarm::run::check_placement;
-use swarm::spec::RunSpec;
+use swarm::spec::{Placement, RunSpec};
 
-use super::resolve::field_error;
+use super::fields::{Errors, Object, field_error};
 use super::resolved::ResolvedRun;
 
 /// Robots that are placed to check a job, at least; combinations beyond show when their runs begin.
 const ENOUGH_ROBOTS: u64 = 1_000_000;
 /// Wrong combinations after which no more are looked for.
 const ENOUGH_ERRORS: usize = 100;
+
+/// Reads `placement`: one of its kinds, or `{"kind": "random", "anywhere": true}`.
+pub fn read(spec: &Object<'_>, errors: &mut Errors) -> Placement {
+    let kind = |object: &Object<'_>, name: &str, errors: &mut Errors| {
+        let known = |text: &str| {
+            let placement = Placement::from_name(text)?;
+            (!placement.is_anywhere()).then_some(placement)
+        };
+        object.choice(name, &Placement::KINDS, known, Placement::Start, errors)
+    };
+    let Some(value @ Value::Object(_)) = spec.get("placement") else {
+        return kind(spec, "placement", errors);
+    };
+    let pointer = spec.pointer("placement");
+    let Some(object) = Object::open(value, &pointer, ["kind", "anywhere"], errors) else {
+        return Placement::Start;
+    };
+    let placement = kind(&object, "kind", errors);
+    if !object.flag("anywhere", false, errors) {
+        return placement;
+    }
+    placement.anywhere().unwrap_or_else(|| {
+        let message = "start poses are where they are";
+        let allowed = "true with kind \"grid\" or \"random\"";
+        errors.add(object.pointer("anywhere"), message, allowed);
+        placement
+    })
+}
+
+/// How a placement is shown.
+pub fn shown(placement: Placement) -> PlacementSpec {
+    let kind = placement.kind().to_owned();
+    if placement.is_anywhere() {
+        PlacementSpec::Said {
+            kind,
+            anywhere: true,
+        }
+    } else {
+        PlacementSpec::Kind(kind)
+    }
+}
 
 /// The combinations whose robots do not fit, with the index of each in `runs`. Placement is tried
 /// once for each arena, body and way of placing, with the most robots: fewer fit where more do.

@@ -2,13 +2,14 @@
 
 use api::{FieldError, RecordSpec, SCHEMA};
 use serde_json::Value;
-use swarm::spec::{EngineKind, Episodes, Placement, RunSpec};
+use swarm::spec::{EngineKind, Episodes, RunSpec};
 
 use super::arena::{ArenaSource, Arenas};
 use super::controller;
-use super::fields::{Errors, Object};
+use super::fields::{Errors, Object, field_error};
 use super::learning;
 use super::limits::{MAX_EPOCHS, MAX_ROBOTS, MAX_SEED, MAX_STEPS_PER_EPOCH};
+use super::placement;
 use super::resolved::ResolvedRun;
 
 /// Fields of a run spec.
@@ -75,13 +76,7 @@ fn read(
     let epochs = object.whole("epochs", 1, MAX_EPOCHS, 2_000, errors) as u32;
     let steps = object.whole("steps_per_epoch", 1, MAX_STEPS_PER_EPOCH, 2_000, errors) as u32;
     let robots = object.whole("robots", 1, MAX_ROBOTS, 1, errors) as u32;
-    let placement = object.choice(
-        "placement",
-        Placement::NAMES,
-        Placement::from_name,
-        Placement::Start,
-        errors,
-    );
+    let placement = placement::read(&object, errors);
     let episodes = object.choice(
         "episodes",
         Episodes::NAMES,
@@ -126,7 +121,7 @@ fn read(
         epochs: Some(epochs),
         steps_per_epoch: Some(steps),
         robots: Some(robots),
-        placement: Some(placement.name().to_owned()),
+        placement: Some(placement::shown(placement)),
         episodes: Some(episodes.name().to_owned()),
         robot: Some(robot_shown),
         engine: Some(engine.name().to_owned()),
@@ -152,9 +147,4 @@ fn record(value: &Value, errors: &mut Errors) {
             "0",
         );
     }
-}
-
-/// An error of the `swarm` crate as one of the service's.
-pub fn field_error(error: swarm::spec::FieldError) -> FieldError {
-    FieldError::new(error.pointer, error.message, error.allowed)
 }

@@ -277,11 +277,13 @@ impl Run {
         self.venues[TARGET].world.dwell()
     }
 
-    /// Squares of the target arena that a robot of this size can reach from the first start pose.
+    /// Squares of the target arena that the robots can reach from where they start, one or another.
     pub fn reachable(&self) -> &Reachable {
-        let (arena, radius_m) = (&self.spec.arena, self.spec.robot.parameters.body_radius_m);
-        self.reachable
-            .get_or_init(|| arenas::reachable(arena, arena.starts()[0], radius_m))
+        self.reachable.get_or_init(|| {
+            let radius_m = self.spec.robot.parameters.body_radius_m;
+            let starts = self.venues[TARGET].start_positions(&self.spec);
+            arenas::reachable_from(&self.spec.arena, &starts, radius_m)
+        })
     }
 
     /// Arena steps so far, all stages together: the number of the current frame.

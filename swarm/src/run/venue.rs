@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use arenas::Arena;
+use nalgebra::Point2;
 
 use crate::bodies::StartPose;
 use crate::caps::MemoryPlan;
 use crate::placement::place;
 use crate::random::{Purpose, Site, stream_key};
 use crate::sharing::radio::Radio;
-use crate::spec::{FieldError, RunSpec, Sharing};
+use crate::spec::{FieldError, Placement, RunSpec, Sharing};
 use crate::stages::Stage;
 use crate::validate::ValidSpec;
 use crate::world::{Ground, World};
@@ -103,6 +104,21 @@ impl Venue {
             world,
             radio,
         })
+    }
+
+    /// Where the robots start, in full precision where that is a start pose of the arena.
+    pub fn start_positions(&self, spec: &RunSpec) -> Vec<Point2<f64>> {
+        let of_arena = match spec.placement {
+            Placement::Start => self.starts.len(),
+            Placement::Grid | Placement::GridAnywhere => 1,
+            Placement::Random | Placement::RandomAnywhere => 0,
+        };
+        let poses = self.ground.arena.starts().iter().take(of_arena);
+        let placed = self.starts.iter().skip(of_arena);
+        poses
+            .map(arenas::Pose::position)
+            .chain(placed.map(|pose| Point2::new(pose.x_m.into(), pose.y_m.into())))
+            .collect()
     }
 
     /// Starts over, noise and all, as if the arena had never been used.

@@ -15,10 +15,42 @@ named_choice! {
     Placement {
         /// The arena's own start poses, in order.
         Start = "start",
-        /// A grid around the first start pose.
+        /// A grid around the first start pose, where a start pose can reach.
         Grid = "grid",
-        /// Uniformly at random, never overlapping.
+        /// Uniformly at random, never overlapping, where a start pose can reach.
         Random = "random",
+        /// As `grid`, in closed rooms too.
+        GridAnywhere = "grid-anywhere",
+        /// As `random`, in closed rooms too.
+        RandomAnywhere = "random-anywhere",
+    }
+}
+
+impl Placement {
+    /// The ways of placing, each within reach of a start pose.
+    pub const KINDS: [&str; 3] = ["start", "grid", "random"];
+
+    /// Its way of placing, within reach or anywhere.
+    pub fn kind(self) -> &'static str {
+        match self {
+            Self::Start => "start",
+            Self::Grid | Self::GridAnywhere => "grid",
+            Self::Random | Self::RandomAnywhere => "random",
+        }
+    }
+
+    /// Whether robots may stand where no start pose reaches.
+    pub fn is_anywhere(self) -> bool {
+        matches!(self, Self::GridAnywhere | Self::RandomAnywhere)
+    }
+
+    /// The same way of placing anywhere; `None` for start poses, which are where they are.
+    pub fn anywhere(self) -> Option<Self> {
+        match self {
+            Self::Start => None,
+            Self::Grid | Self::GridAnywhere => Some(Self::GridAnywhere),
+            Self::Random | Self::RandomAnywhere => Some(Self::RandomAnywhere),
+        }
     }
 }
 
