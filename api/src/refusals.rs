@@ -103,6 +103,14 @@ pub const REFUSED: &[RefusedCase] = &[
         "a missing or wrong token, where the server has one",
         TokenNeeded,
     ),
+    service(
+        "a change asked for with a token that only reads",
+        ReadOnlyToken,
+    ),
+    service(
+        "more than 20 wrong tokens a minute from an address",
+        TooManyAttempts,
+    ),
     service("another host's name, where there is no token", ForeignHost),
     service("a change asked for by another site's page", ForeignOrigin),
     service("an unknown job", JobNotFound),
@@ -121,6 +129,7 @@ pub const REFUSED: &[RefusedCase] = &[
     service("deleting a built-in arena", ArenaBuiltIn),
     service("a stored spec or checkpoint that is damaged", Damaged),
     command("a spec that cannot be read, or an output directory that holds something else"),
+    command("a file of tokens that cannot be used (`evswarm serve`)"),
     command("listening beyond this machine without a token (`evswarm serve`)"),
 ];
 

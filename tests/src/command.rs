@@ -34,11 +34,16 @@ impl From<Output> for Done {
 
 /// Starts `evswarm`; channels are under `root`.
 pub fn start(arguments: &[&str], root: &Path) -> Child {
+    start_in(arguments, root, &[])
+}
+
+fn start_in(arguments: &[&str], root: &Path, variables: &[(&str, &str)]) -> Child {
     Command::new(program("evswarm"))
         .args(arguments)
         .env("XDG_RUNTIME_DIR", root)
         .env_remove("EVSWARM_TOKEN")
         .env_remove("RUST_LOG")
+        .envs(variables.iter().copied())
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -54,8 +59,13 @@ pub fn finish(mut child: Child) -> Done {
 
 /// Runs `evswarm` with this standard input.
 pub fn evswarm(arguments: &[&str], input: &str) -> Done {
+    evswarm_in(arguments, input, &[])
+}
+
+/// Runs `evswarm` with this standard input and these variables.
+pub fn evswarm_in(arguments: &[&str], input: &str, variables: &[(&str, &str)]) -> Done {
     let root = tempfile::tempdir().unwrap();
-    let mut child = start(arguments, root.path());
+    let mut child = start_in(arguments, root.path(), variables);
     let mut pipe = child.stdin.take().unwrap();
     #[allow(
         clippy::let_underscore_must_use,

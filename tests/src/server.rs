@@ -32,6 +32,12 @@ impl Server {
         Self::try_start(data, arguments, &[]).unwrap_or_else(|log| panic!("no server: {log}"))
     }
 
+    /// Starts a server that asks for this token.
+    pub fn start_with_token(data: &Path, token: &str) -> Self {
+        let environment = [("EVSWARM_TOKEN", token)];
+        Self::try_start(data, &[], &environment).unwrap_or_else(|log| panic!("no server: {log}"))
+    }
+
     /// Starts a server with further arguments and environment variables.
     ///
     /// # Errors

@@ -3,7 +3,7 @@
 
 use api::ControllerListing;
 use serde_json::json;
-use tests::command::evswarm;
+use tests::command::{evswarm, evswarm_in};
 use tests::server::Server;
 use tests::{job, small_spec};
 
@@ -58,7 +58,7 @@ fn a_job_is_submitted_watched_and_asked_for() {
 fn a_token_opens_a_server_that_asks_for_one() {
     let home = tempfile::tempdir().unwrap();
     let token = "a token of some length";
-    let server = Server::start_with(home.path(), &["--token", token]);
+    let server = Server::start_with_token(home.path(), token);
     let url = server.url().to_owned();
     let mut spec = small_spec();
     spec["epochs"] = json!(1_000_000);
@@ -68,12 +68,15 @@ fn a_token_opens_a_server_that_asks_for_one() {
         (&["status", "1"], "0 of 1 runs done"),
         (&["cancel", "1"], "cancelled"),
     ] {
-        let with = |more: &[&str]| evswarm(&[command, &["--server", &url], more].concat(), &job);
-        let refused = with(&[]);
+        let with = |token: &str| {
+            let arguments = [command, &["--server", &url]].concat();
+            evswarm_in(&arguments, &job, &[("EVSWARM_TOKEN", token)])
+        };
+        let refused = with("");
         assert_eq!(refused.code, Some(1), "{refused:?}");
         assert!(refused.stderr.contains("401"), "{refused:?}");
-        assert_eq!(with(&["--token", "another of some length"]).code, Some(1));
-        let done = with(&["--token", token]);
+        assert_eq!(with("another of some length").code, Some(1));
+        let done = with(token);
         assert_eq!(done.code, Some(0), "{done:?}");
         assert!(done.stdout.contains(said), "{done:?}");
     }

@@ -20,16 +20,13 @@ const TIMEOUT: Duration = Duration::from_secs(120);
 
 #[derive(Debug, clap::Args)]
 pub struct Server {
-    /// The service.
+    /// The service; its token, if it asks for one, is read from the variable EVSWARM_TOKEN.
     #[arg(
         long = "server",
         value_name = "URL",
         default_value = "http://127.0.0.1:8080"
     )]
     url: String,
-    /// The service's token, if it asks for one.
-    #[arg(long, env = "EVSWARM_TOKEN", hide_env_values = true)]
-    token: Option<String>,
 }
 
 #[derive(Debug, clap::Args)]
@@ -181,7 +178,7 @@ impl Client {
         Self {
             agent: config.into(),
             url: server.url.trim_end_matches('/').to_owned(),
-            bearer: server.token.as_ref().map(|token| format!("Bearer {token}")),
+            bearer: super::token::of_environment().map(|token| format!("Bearer {token}")),
         }
     }
 

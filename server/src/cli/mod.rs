@@ -9,6 +9,7 @@ mod output;
 mod progress;
 mod reproduce;
 mod run;
+mod token;
 
 use std::ffi::OsString;
 use std::io::IsTerminal;
@@ -62,14 +63,17 @@ enum Command {
         /// machine's memory over the threads].
         #[arg(long, value_parser = clap::value_parser!(u64).range(1_000_000..))]
         run_memory_bytes: Option<u64>,
-        /// What clients must send as a bearer token; needed to listen beyond this machine.
-        #[arg(long, env = "EVSWARM_TOKEN", hide_env_values = true)]
-        token: Option<String>,
+        /// File of tokens, whose lines `evswarm token` makes: clients must send one of them, or the
+        /// one in the variable EVSWARM_TOKEN. Needed to listen beyond this machine.
+        #[arg(long, value_name = "FILE")]
+        tokens: Option<PathBuf>,
     },
     /// Look through a data directory for damage: exit code 1 and a line for each fault, or 0.
     Check(data::CheckArguments),
     /// Copy a data directory, also while a service uses it.
     Backup(data::BackupArguments),
+    /// Make a token, and its line for the file of `serve --tokens`.
+    Token(token::TokenArguments),
     /// Post a job to a service.
     Submit(client::SubmitArguments),
     /// Show a job of a service, or its newest jobs.
@@ -157,19 +161,21 @@ fn dispatch(command: Command) -> Result<(), Failure> {
             data,
             threads,
             run_memory_bytes,
-            token,
+            tokens,
         } => {
             crate::http::serve(ServeOptions {
                 listen,
                 data,
                 threads,
                 run_memory_bytes,
-                token,
+                token: token::of_environment(),
+                tokens,
             })?;
             Ok(())
         }
         Command::Check(arguments) => data::check(&arguments),
         Command::Backup(arguments) => data::backup(&arguments),
+        Command::Token(arguments) => token::token(&arguments),
         Command::Submit(arguments) => client::submit(&arguments),
         Command::Status(arguments) => client::status(&arguments),
         Command::Summary(arguments) => client::summary(&arguments),

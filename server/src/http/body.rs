@@ -146,7 +146,7 @@ async fn drain(mut body: Body) {
         }
     };
     // Whatever is left then, the connection ends.
-    let _ = timeout(DRAIN_TIME, read).await;
+    drop(timeout(DRAIN_TIME, read).await);
 }
 
 #[cfg(test)]

@@ -56,6 +56,11 @@ impl Connection {
         }
     }
 
+    /// Where it comes from.
+    pub fn address(&self) -> IpAddr {
+        self.address
+    }
+
     /// Says what the connection does from now on.
     pub fn enter(&self, stage: Stage) {
         if stage == Stage::Idle {

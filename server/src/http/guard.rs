@@ -9,15 +9,18 @@ use std::time::Duration;
 
 use api::ProblemCode;
 use axum::extract::{Request, State};
-use axum::http::header::{AUTHORIZATION, CONTENT_TYPE, HOST, ORIGIN, WWW_AUTHENTICATE};
+use axum::http::header::{
+    AUTHORIZATION, CONTENT_SECURITY_POLICY, CONTENT_TYPE, HOST, ORIGIN, WWW_AUTHENTICATE,
+};
 use axum::http::uri::Authority;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
-use sha2::{Digest, Sha256};
 use tokio::sync::Semaphore;
 
+use super::access::{Failures, Right, Tokens};
 use super::body::Bodies;
+use super::connections::Connection;
 use super::refusal::Refusal;
 use super::{health, page, problems};
 
@@ -25,20 +28,27 @@ use super::{health, page, problems};
 const MAX_CONCURRENT: usize = 128;
 /// Longest time for an answer.
 const TIMEOUT: Duration = Duration::from_secs(60);
+/// What a browser that opens an answer by itself may do with it: show it, as it is.
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; \
+    base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+/// When to try again after too many wrong tokens.
+const AFTER_FAILURES_S: u32 = 60;
+
 /// The rules of one listening server.
 #[derive(Clone)]
 pub struct Gate {
-    /// Digest of the token, so that comparing takes the same time for every wrong one.
-    token: Option<[u8; 32]>,
+    tokens: Arc<Tokens>,
+    failures: Arc<Failures>,
     places: Arc<Semaphore>,
     bodies: Bodies,
 }
 
 impl Gate {
-    /// The gate of a server, with a token if it has one.
-    pub fn new(token: Option<&str>) -> Self {
+    /// The gate of a server, with its tokens if it has any.
+    pub fn new(tokens: Tokens) -> Self {
         Self {
-            token: token.map(digest),
+            tokens: Arc::new(tokens),
+            failures: Arc::default(),
             places: Arc::new(Semaphore::new(MAX_CONCURRENT)),
             bodies: Bodies::default(),
         }
@@ -56,7 +66,7 @@ impl Gate {
                 "the header Host is missing",
             ));
         };
-        if self.token.is_none() && !is_loopback(host) {
+        if self.tokens.is_empty() && !is_loopback(host) {
             let detail = "this server answers to localhost and loopback addresses only";
             return Err(Refusal::new(ProblemCode::ForeignHost, detail));
         }
@@ -65,13 +75,32 @@ impl Gate {
             let detail = "requests that change something may not come from pages of other sites";
             return Err(Refusal::new(ProblemCode::ForeignOrigin, detail));
         }
-        match self.token {
-            Some(token) if !is_open(request.uri().path()) && bearer(headers) != Some(token) => {
-                let detail = "send the header Authorization: Bearer, with the server's token";
-                Err(Refusal::new(ProblemCode::TokenNeeded, detail))
-            }
-            _ => Ok(()),
+        if self.tokens.is_empty() || is_open(request.uri().path()) {
+            return Ok(());
         }
+        match bearer(headers).and_then(|secret| self.tokens.right(secret)) {
+            Some(Right::Write) => Ok(()),
+            Some(Right::Read) if is_read => Ok(()),
+            Some(Right::Read) => {
+                let detail = "this token allows to read, not to change anything";
+                Err(Refusal::new(ProblemCode::ReadOnlyToken, detail))
+            }
+            None => Err(self.without_token(request)),
+        }
+    }
+
+    fn without_token(&self, request: &Request) -> Refusal {
+        let connection = request.extensions().get::<Arc<Connection>>();
+        // Who sends none has not tried one.
+        let is_wrong = request.headers().contains_key(AUTHORIZATION);
+        let counts = |from: &&Arc<Connection>| is_wrong && self.failures.count(from.address());
+        if connection.filter(counts).is_some() {
+            let detail = "too many wrong tokens came from this address";
+            return Refusal::new(ProblemCode::TooManyAttempts, detail)
+                .retry_after_s(AFTER_FAILURES_S);
+        }
+        let detail = "send the header Authorization: Bearer, with a token of this server";
+        Refusal::new(ProblemCode::TokenNeeded, detail)
     }
 }
 
@@ -85,6 +114,9 @@ pub async fn guard(State(gate): State<Gate>, request: Request, next: Next) -> Re
     if status == StatusCode::UNAUTHORIZED {
         headers.insert(WWW_AUTHENTICATE, HeaderValue::from_static("Bearer"));
     }
+    headers
+        .entry(CONTENT_SECURITY_POLICY)
+        .or_insert(HeaderValue::from_static(POLICY));
     headers.insert(
         HeaderName::from_static("x-content-type-options"),
         HeaderValue::from_static("nosniff"),
@@ -175,15 +207,11 @@ fn is_same_origin(headers: &HeaderMap, host: &str) -> bool {
     site.is_some_and(|site| site.eq_ignore_ascii_case(host))
 }
 
-fn bearer(headers: &HeaderMap) -> Option<[u8; 32]> {
+fn bearer(headers: &HeaderMap) -> Option<&str> {
     let (scheme, token) = headers.get(AUTHORIZATION)?.to_str().ok()?.split_once(' ')?;
     scheme
         .eq_ignore_ascii_case("bearer")
-        .then(|| digest(token.trim()))
-}
-
-fn digest(token: &str) -> [u8; 32] {
-    Sha256::digest(token).into()
+        .then_some(token.trim())
 }
 
 #[cfg(test)]

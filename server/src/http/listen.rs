@@ -59,7 +59,7 @@ pub async fn listen(listener: TcpListener, routes: Router, stop: impl Future<Out
         };
         let Some(place) = connections.admit(address.ip()) else {
             // Whether it arrives or not, the client sees the connection end.
-            let _ = stream.try_write(NO_PLACE);
+            drop(stream.try_write(NO_PLACE));
             continue;
         };
         let (routes, stopped, open) = (routes.clone(), stopped.clone(), open.clone());
@@ -81,7 +81,7 @@ pub async fn listen(listener: TcpListener, routes: Router, stop: impl Future<Out
 /// Serves one connection.
 async fn serve(stream: TcpStream, place: Place, routes: Router, mut stopped: watch::Receiver<()>) {
     // Small answers go out at once; where that cannot be had they are only slower.
-    let _ = stream.set_nodelay(true);
+    drop(stream.set_nodelay(true));
     let connection = &place.connection;
     let service = service_fn(|request: Request<Incoming>| {
         let (routes, connection) = (routes.clone(), Arc::clone(connection));

@@ -1,6 +1,7 @@
 //! The HTTP service: routes over store and scheduler. Handlers only translate; whatever may block
 //! or compute runs on threads made for that.
 
+mod access;
 mod app;
 mod arenas;
 mod body;
@@ -37,13 +38,15 @@ use axum::{Router, middleware};
 use crate::findings::Assembler;
 use crate::scheduler::Scheduler;
 use crate::store::Store;
+use access::Tokens;
+pub use access::{Right, line as token_line};
 use app::App;
 use guard::Gate;
 use refusal::Refusal;
 pub use serve::{ServeOptions, serve};
 
 /// Every route, behind the gate.
-fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, token: Option<&str>) -> Router {
+fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, tokens: Tokens) -> Router {
     let app = App {
         findings: Arc::new(Assembler::new(Arc::clone(&store), Arc::clone(&scheduler))),
         store,
@@ -76,7 +79,7 @@ fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, token: Option<&str>) -> 
         .layer(compression::layer())
         .layer(middleware::map_response(compression::weaken_tag))
         .layer(middleware::from_fn_with_state(
-            Gate::new(token),
+            Gate::new(tokens),
             guard::guard,
         ))
         .with_state(app)

@@ -1,16 +1,17 @@
 //! The service as a process: data directory, workers, listening socket, and an orderly end.
 
-use std::io::Write;
+use std::io::{Read, Write};
 use std::net::SocketAddr;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 use tokio::net::TcpListener;
 use tokio::signal::unix::{SignalKind, signal};
 
+use super::access::Tokens;
 use super::listen::listen;
 use super::router;
 use crate::channels::ChannelSettings;
@@ -21,8 +22,8 @@ use crate::store::Store;
 const UNFINISHED_LIMIT: u64 = 200_000;
 /// Time that open requests have to end once the service is to stop.
 const GRACE: Duration = Duration::from_secs(3);
-/// Shortest token that is taken for a secret.
-const MIN_TOKEN_BYTES: usize = 16;
+/// Largest file of tokens that is read.
+const MAX_TOKEN_FILE_BYTES: u64 = 4 << 20;
 
 /// What a service is started with.
 #[derive(Clone, Debug)]
@@ -36,8 +37,10 @@ pub struct ServeOptions {
     /// Most bytes that a run may hold; three quarters of the machine's memory over the threads when
     /// not given.
     pub run_memory_bytes: Option<u64>,
-    /// What clients must send as a bearer token. Needed to listen beyond loopback.
+    /// A token that allows everything. This or a file of them is needed to listen beyond loopback.
     pub token: Option<String>,
+    /// A file of tokens, as `evswarm token` makes its lines.
+    pub tokens: Option<PathBuf>,
 }
 
 /// Serves until SIGINT or SIGTERM, then checkpoints every run.
@@ -46,7 +49,7 @@ pub struct ServeOptions {
 /// When the address is beyond loopback without a token, when address or data directory are in use
 /// or cannot be used, or when the system refuses threads.
 pub fn serve(options: ServeOptions) -> anyhow::Result<()> {
-    check(&options)?;
+    let tokens = tokens(&options)?;
     let store = Arc::new(Store::open(&options.data)?);
     let workers = options
         .threads
@@ -74,7 +77,7 @@ pub fn serve(options: ServeOptions) -> anyhow::Result<()> {
         };
         let scheduler = Arc::new(Scheduler::start(Arc::clone(&store), config)?);
         let stop = stop_signal()?;
-        let routes = router(store, Arc::clone(&scheduler), options.token.as_deref());
+        let routes = router(store, Arc::clone(&scheduler), tokens);
         announce(address);
         run(listener, routes, stop).await;
         tokio::task::spawn_blocking(move || scheduler.shut_down())
@@ -86,18 +89,30 @@ pub fn serve(options: ServeOptions) -> anyhow::Result<()> {
     served
 }
 
-fn check(options: &ServeOptions) -> anyhow::Result<()> {
-    match &options.token {
-        Some(token) if token.len() < MIN_TOKEN_BYTES => {
-            bail!("a token has at least {MIN_TOKEN_BYTES} characters")
-        }
-        None if !options.listen.ip().is_loopback() => bail!(
-            "{} can be reached from other machines: set a token with --token or EVSWARM_TOKEN, \
+/// The tokens of the options, which are enough for the address.
+fn tokens(options: &ServeOptions) -> anyhow::Result<Tokens> {
+    let mut tokens = Tokens::default();
+    if let Some(path) = &options.tokens {
+        let shown = path.display();
+        let file = std::fs::File::open(path);
+        let file = file.with_context(|| format!("cannot read the tokens in {shown}"))?;
+        let mut text = String::new();
+        let read = file.take(MAX_TOKEN_FILE_BYTES).read_to_string(&mut text);
+        read.with_context(|| format!("cannot read the tokens in {shown}"))?;
+        let of_file = Tokens::parse(&text);
+        tokens = of_file.map_err(|error| anyhow!("cannot use the tokens in {shown}: {error}"))?;
+    }
+    if let Some(token) = &options.token {
+        tokens = tokens.with_secret(token).map_err(anyhow::Error::msg)?;
+    }
+    if tokens.is_empty() && !options.listen.ip().is_loopback() {
+        bail!(
+            "{} can be reached from other machines: set a token with EVSWARM_TOKEN or --tokens, \
              or listen on 127.0.0.1",
             options.listen
-        ),
-        _ => Ok(()),
+        )
     }
+    Ok(tokens)
 }
 
 /// Serves until the signal comes, and a little longer for requests that are under way.

@@ -3,6 +3,7 @@
 
 pub mod comparison;
 pub mod curves;
+mod escape;
 mod groups;
 mod scaling;
 mod sharing;

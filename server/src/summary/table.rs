@@ -5,6 +5,7 @@
     reason = "writing to a string cannot fail"
 )]
 
+use super::escape::escaped;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
@@ -60,7 +61,10 @@ pub fn markdown(summary: &JobSummary) -> String {
     let _ = writeln!(
         text,
         "# Job {} {}\n\n{} of {} runs done. Means with 95 % intervals; n where not all of these runs have the measure, `-` where none has.\n",
-        summary.job_id, summary.name, summary.runs_done, summary.runs
+        summary.job_id,
+        escaped(&summary.name),
+        summary.runs_done,
+        summary.runs
     );
     let head = [
         "group",
@@ -168,7 +172,7 @@ fn row(group: &Group) -> Vec<String> {
         "cpu_ns_per_robot_step",
     ];
     [
-        label.replace('|', "/"),
+        escaped(label),
         format!("{}/{}", group.runs_done, group.runs),
     ]
     .into_iter()

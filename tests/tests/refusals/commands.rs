@@ -46,6 +46,12 @@ fn commands_that_cannot_work_end_with_1() {
     );
     failed(&["run"], "", "--out");
     let data = path("data");
+    std::fs::write(path("tokens"), "ann may read").unwrap();
+    for tokens in [path("tokens"), path("missing")] {
+        let unusable = "a file of tokens that cannot be used (`evswarm serve`)";
+        let arguments = ["serve", "--data", &data, "--tokens", &tokens];
+        refused(unusable, &arguments, "", "the tokens in");
+    }
     let listen = |at: &'static str| ["serve", "--listen", at, "--data", &data].map(str::to_owned);
     for at in ["0.0.0.0:0", "[::]:0"] {
         let arguments = listen(at);

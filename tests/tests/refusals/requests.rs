@@ -183,11 +183,41 @@ fn what_contradicts_the_state_of_things_is_refused() {
 fn a_server_with_a_token_asks_for_it() {
     let home = tempfile::tempdir().unwrap();
     let token = "sixteen characters or more";
-    let server = Server::start_with(home.path(), &["--token", token]);
+    let server = Server::start_with_token(home.path(), token);
     let refused = "a missing or wrong token, where the server has one";
     server.get("/v1/jobs").refused(refused);
     let with = |value: &str| server.send("GET", "/v1/jobs", &[("authorization", value)], b"");
-    with("Bearer wrong").refused(refused);
-    assert_eq!(with(&format!("Bearer {token}")).status, 200);
+    let right = format!("Bearer {token}");
+    for _ in 0..20 {
+        with("Bearer wrong").refused(refused);
+    }
+    let limited = with("Bearer wrong");
+    limited.refused("more than 20 wrong tokens a minute from an address");
+    assert!(limited.headers.contains_key("retry-after"));
+    // Nobody behind the same address is shut out.
+    assert_eq!(with(&right).status, 200);
     assert_eq!(server.get("/health/livez").status, 200);
+}
+
+#[test]
+fn a_token_is_made_kept_as_a_digest_and_asked_for() {
+    let home = tempfile::tempdir().unwrap();
+    let file = home.path().join("tokens");
+    let made = evswarm(&["token", "ann", "--read-only"], "");
+    assert_eq!(made.code, Some(0), "{made:?}");
+    let (_, token) = made.stderr.trim_end().rsplit_once(' ').unwrap();
+    assert!(token.len() > 40 && !made.stdout.contains(token), "{made:?}");
+    std::fs::write(&file, &made.stdout).unwrap();
+    let server = Server::start_with(home.path(), &["--tokens", file.to_str().unwrap()]);
+    let bearer = format!("Bearer {token}");
+    let headers = [
+        ("authorization", bearer.as_str()),
+        ("content-type", "application/json"),
+    ];
+    assert_eq!(server.send("GET", "/v1/jobs", &headers, b"").status, 200);
+    server
+        .send("POST", "/v1/jobs", &headers, b"{}")
+        .refused("a change asked for with a token that only reads");
+    assert_ne!(evswarm(&["token", "a b"], "").code, Some(0));
+    assert_ne!(evswarm(&["status", "--token", token], "").code, Some(0));
 }

@@ -127,3 +127,60 @@ async fn a_token_is_asked_for_wherever_jobs_are_told_of() {
         assert_eq!(service.get(open).await.status, 200, "{open}");
     }
 }
+
+#[tokio::test]
+async fn a_token_that_only_reads_changes_nothing() {
+    let lines = [
+        (Right::Read, "the reader's secret"),
+        (Right::Write, "the writer's secret"),
+    ];
+    let lines = lines.map(|(right, secret)| super::super::token_line("name", right, secret));
+    let service = Service::start_with(Tokens::parse(&lines.join("\n")).unwrap());
+    let ask = async |method: &str, path: &str, who: &str| {
+        let asked = request(method, path)
+            .header(AUTHORIZATION, format!("Bearer the {who}'s secret"))
+            .header(CONTENT_TYPE, "application/json");
+        service.send(asked, job(1, 1).to_string()).await
+    };
+    for method in ["GET", "HEAD"] {
+        assert_eq!(ask(method, "/v1/jobs", "reader").await.status, 200);
+    }
+    let only_reads = "a change asked for with a token that only reads";
+    for (method, path) in [
+        ("POST", "/v1/jobs"),
+        ("POST", "/v1/jobs/1/cancel"),
+        ("DELETE", "/v1/jobs/1"),
+    ] {
+        assert_refused(&ask(method, path, "reader").await, only_reads);
+    }
+    assert_eq!(ask("POST", "/v1/jobs", "writer").await.status, 201);
+    assert_problem(&ask("GET", "/v1/jobs", "nobody").await, 401);
+}
+
+#[tokio::test]
+async fn every_answer_says_what_a_browser_may_do_with_it() {
+    let service = Service::start(None);
+    let mut paths = vec![
+        "/",
+        "/v1/arenas/maze.svg",
+        "/v1/jobs/7",
+        "/nothing",
+        "/health/livez",
+    ];
+    let job = service.job(&job(1, 1)).await;
+    service.wait_until(&job, "done").await;
+    let run = service.runs(&job).await[0]["id"].clone();
+    let run = format!("/v1/runs/{}", run.as_str().unwrap());
+    let pictures = ["coverage.svg", "coverage.png"].map(|name| format!("{run}/{name}"));
+    paths.extend(pictures.iter().map(String::as_str));
+    for path in paths {
+        let answer = service.get(path).await;
+        let policy = answer.headers["content-security-policy"].to_str().unwrap();
+        assert!(policy.starts_with("default-src 'none'"), "{path}: {policy}");
+        assert!(
+            policy.contains("frame-ancestors 'none'"),
+            "{path}: {policy}"
+        );
+        assert_eq!(answer.headers["x-content-type-options"], "nosniff");
+    }
+}

@@ -47,6 +47,13 @@ impl Answer {
 
 impl Service {
     fn start(token: Option<&str>) -> Self {
+        let tokens = token.map_or_else(Tokens::default, |token| {
+            Tokens::default().with_secret(token).unwrap()
+        });
+        Self::start_with(tokens)
+    }
+
+    fn start_with(tokens: Tokens) -> Self {
         let dir = tempfile::tempdir().unwrap();
         let store = Arc::new(Store::open(dir.path()).unwrap());
         let config = SchedulerConfig {
@@ -57,7 +64,7 @@ impl Service {
         };
         let scheduler = Arc::new(Scheduler::start(Arc::clone(&store), config).unwrap());
         Self {
-            routes: router(store, scheduler, token),
+            routes: router(store, scheduler, tokens),
             dir,
         }
     }
