@@ -5,6 +5,7 @@
     reason = "writing to a string cannot fail"
 )]
 
+use crate::summary::escape::escaped;
 use std::fmt::Write;
 
 use api::comparison::Comparison;
@@ -59,14 +60,17 @@ pub fn markdown(comparison: &Comparison) -> String {
         .map_or(String::new(), |by| format!(", by {by}"));
     let mut text = format!(
         "# Job {} {}: {}{by}\n\n{}.\n\n",
-        comparison.job_id, comparison.name, comparison.measure, comparison.verdict
+        comparison.job_id,
+        escaped(&comparison.name),
+        comparison.measure,
+        comparison.verdict
     );
     let rows: Vec<Vec<String>> = comparison
         .groups
         .iter()
         .map(|group| {
             vec![
-                group.label.replace('|', "/"),
+                escaped(&group.label),
                 group.n.to_string(),
                 group
                     .missed
@@ -95,7 +99,7 @@ pub fn markdown(comparison: &Comparison) -> String {
         .map(|pair| {
             let labels = [pair.first, pair.second].map(|place| &comparison.groups[place].label);
             vec![
-                format!("{} - {}", labels[0], labels[1]).replace('|', "/"),
+                escaped(&format!("{} - {}", labels[0], labels[1])),
                 pair.n.to_string(),
                 with_interval(pair.difference, pair.interval.as_ref()),
                 with_interval(pair.improvement, pair.improvement_interval.as_ref()),
