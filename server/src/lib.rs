@@ -10,6 +10,7 @@ pub mod documents;
 mod findings;
 pub mod http;
 pub mod reproduce;
+pub mod runner;
 pub mod scheduler;
 mod statistics;
 pub mod store;

@@ -23,6 +23,7 @@ use swarm::run::{Phase, Progress, Run};
 use swarm::world::{Bodies, Body, Objects};
 
 pub use extent::Extent;
+use crate::runner::{Ended, Observer, Stop};
 pub use ports::ChannelError;
 use ports::{HISTORY, MAX_SUBSCRIBERS, Ports, subscriber_buffer};
 use slot::{Frame, Slot};
@@ -234,6 +235,17 @@ impl FramePublisher {
             UNWATCHED_INTERVAL
         };
         copied.at.elapsed() >= interval.max(copied.cost() * (REST_AFTER_COPY + 1))
+    }
+}
+
+impl Observer for FramePublisher {
+    fn after_block(&mut self, run: &Run, _: &Progress) -> Result<(), Stop> {
+        self.offer(run);
+        Ok(())
+    }
+
+    fn end(&mut self, run: &Run, _: &Ended) {
+        self.offer_now(run);
     }
 }
 

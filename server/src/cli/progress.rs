@@ -4,6 +4,9 @@ use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
 use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
+use swarm::run::{Progress, Run};
+
+use crate::runner::{Ended, Observer, Stop};
 
 /// Time between two lines of a log.
 const LOG_EVERY: Duration = Duration::from_secs(10);
@@ -102,6 +105,24 @@ impl Meter {
     fn pace(&self, done: u64) -> f64 {
         let fresh = done.saturating_sub(self.started_with);
         fresh as f64 / self.started_at.elapsed().as_secs_f64().max(1e-9)
+    }
+}
+
+/// The robot-steps of a run.
+impl Observer for Meter {
+    fn after_block(&mut self, _: &Run, progress: &Progress) -> Result<(), Stop> {
+        let what = format!(
+            "{} {}/{}",
+            progress.phase.name(),
+            progress.epochs_done,
+            progress.epochs_total
+        );
+        self.show(progress.robot_steps_done, &what);
+        Ok(())
+    }
+
+    fn end(&mut self, _: &Run, _: &Ended) {
+        self.finish();
     }
 }
 

@@ -18,7 +18,8 @@ use crate::artifacts;
 use crate::channels::ChannelSettings;
 use crate::documents::ExpandedJob;
 use crate::reproduce::{Plan, Report, Settings, replace};
-use crate::scheduler::{Scheduler, SchedulerConfig, new_job, run_memory_bytes};
+use crate::runner::default_run_memory_bytes;
+use crate::scheduler::{Scheduler, SchedulerConfig, new_job};
 use crate::store::{Created, Intent, JobKey, JobRequest, JobView, RunState, Store};
 
 /// Time between two looks at how far the job is.
@@ -185,7 +186,7 @@ fn finish(
         .context("at least one thread is needed")?;
     let config = SchedulerConfig {
         workers,
-        run_memory_bytes: run_memory_bytes(workers),
+        run_memory_bytes: default_run_memory_bytes(workers),
         unfinished_limit: u64::MAX,
         channels: ChannelSettings::default(),
     };

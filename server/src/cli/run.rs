@@ -1,14 +1,15 @@
 //! `evswarm run`: one spec, one directory; can be killed at any time and started again.
 
 use std::io::Read;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use anyhow::{Context, anyhow};
 use signal_hook::consts::{SIGINT, SIGTERM};
-use swarm::run::{Outcome, Phase, RestoreError, Run};
+use swarm::run::{Outcome, RestoreError, Run};
 
 use super::checkpoint::{Checkpoint, Spent};
 use super::progress::Meter;
@@ -16,12 +17,8 @@ use super::{Failure, output};
 use crate::artifacts::{self, Finished, Timing};
 use crate::channels::{ChannelSettings, Extent, FramePublisher};
 use crate::documents::{self, BuiltinArenas, ResolvedRun};
-use crate::scheduler::{Block, Pace, findings_of};
-
-/// Wall time between two checkpoints ...
-const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
-/// ... or, where that is more, so many times what the last one took.
-const CHECKPOINT_SHARE: u32 = 20;
+use crate::runner::{self, Checkpoints, Ended, MemoryBound};
+use crate::scheduler::findings_of;
 
 #[derive(Debug, clap::Args)]
 pub struct RunArguments {
@@ -33,6 +30,10 @@ pub struct RunArguments {
     /// Threads to use; the result does not depend on it [default: one a processor].
     #[arg(long, value_parser = super::threads)]
     threads: Option<usize>,
+    /// Most bytes that the run may hold; one that comes to hold more fails [default: three quarters
+    /// of the machine's memory].
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1_000_000..))]
+    run_memory_bytes: Option<u64>,
 }
 
 pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
@@ -69,16 +70,16 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let (run, before) = start(&spec, &checkpoint)?;
     let mut work = Work {
         run,
-        before,
-        since: Instant::now(),
-        cpu_s: artifacts::process_cpu_s(),
+        costs: Costs::since_now(before),
     };
     show_plan(&work.run);
     let frames = open_frames(&spec);
-    let Some(outcome) = finish(&mut work, &checkpoint, frames, &stop)? else {
+    let most = arguments.run_memory_bytes;
+    let most = most.unwrap_or_else(|| runner::default_run_memory_bytes(NonZeroUsize::MIN));
+    let Some(outcome) = finish(&mut work, &checkpoint, frames, most, &stop)? else {
         return Err(anyhow!("interrupted; the same command goes on from here").into());
     };
-    let Spent { wall_s, cpu_s } = work.spent();
+    let Spent { wall_s, cpu_s } = work.costs.spent();
     let timing = Timing {
         wall_s,
         cpu_s,
@@ -117,13 +118,26 @@ fn show_plan(run: &Run) {
 /// A run in progress, with what it has cost.
 struct Work {
     run: Run,
+    costs: Costs,
+}
+
+/// What a run has cost before, and since when it costs more.
+struct Costs {
     before: Spent,
     since: Instant,
     /// Processor time of the process when this work began.
     cpu_s: f64,
 }
 
-impl Work {
+impl Costs {
+    fn since_now(before: Spent) -> Self {
+        Self {
+            before,
+            since: Instant::now(),
+            cpu_s: artifacts::process_cpu_s(),
+        }
+    }
+
     fn spent(&self) -> Spent {
         Spent {
             wall_s: self.before.wall_s + self.since.elapsed().as_secs_f64(),
@@ -224,6 +238,7 @@ fn finish(
     work: &mut Work,
     checkpoint: &Checkpoint,
     mut frames: Option<FramePublisher>,
+    run_memory_bytes: u64,
     stop: &AtomicBool,
 ) -> anyhow::Result<Option<Outcome>> {
     let progress = work.run.progress();
@@ -232,44 +247,26 @@ fn finish(
         progress.robot_steps_total,
         progress.robot_steps_done,
     );
-    let mut block = Block::default();
-    let mut checkpoints = Pace::new(CHECKPOINT_EVERY, CHECKPOINT_SHARE, CHECKPOINT_EVERY);
-    let outcome = loop {
-        if stop.load(Ordering::SeqCst) {
-            meter.finish();
-            if let Some(frames) = &mut frames {
-                frames.offer_now(&work.run);
-            }
-            checkpoint.save(&work.run.snapshot(), work.spent())?;
-            return Ok(None);
+    let Work { run, costs } = work;
+    let mut memory = MemoryBound::new(run_memory_bytes);
+    let mut checkpoints = Checkpoints::new(|run: &Run| {
+        if let Err(error) = checkpoint.save(&run.snapshot(), costs.spent()) {
+            tracing::warn!("no checkpoint: {error:#}");
         }
-        let progress = block.advance(&mut work.run);
-        let what = format!(
-            "{} {}/{}",
-            progress.phase.name(),
-            progress.epochs_done,
-            progress.epochs_total
-        );
-        meter.show(progress.robot_steps_done, &what);
-        if let Some(frames) = &mut frames {
-            frames.offer(&work.run);
+    });
+    let ended = runner::step(
+        run,
+        &|| stop.load(Ordering::SeqCst),
+        &mut [&mut memory, &mut meter, &mut frames, &mut checkpoints],
+    );
+    match ended {
+        Ended::Done => (run.outcome().map(Some)).context("the run is done but has no outcome"),
+        Ended::Stopped => {
+            checkpoint.save(&run.snapshot(), costs.spent())?;
+            Ok(None)
         }
-        if progress.phase == Phase::Done {
-            if let Some(frames) = &mut frames {
-                frames.offer_now(&work.run);
-            }
-            break work.run.outcome();
-        }
-        checkpoints.when_due(|| {
-            if let Err(error) = checkpoint.save(&work.run.snapshot(), work.spent()) {
-                tracing::warn!("no checkpoint: {error:#}");
-            }
-        });
-    };
-    meter.finish();
-    outcome
-        .map(Some)
-        .ok_or_else(|| anyhow!("the run is done but has no outcome"))
+        Ended::Failed(reason) => Err(anyhow!(reason)),
+    }
 }
 
 fn report(out: &Path, outcome: &Outcome, timing: &Timing) -> Result<(), Failure> {

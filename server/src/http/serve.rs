@@ -15,7 +15,8 @@ use super::access::Tokens;
 use super::listen::listen;
 use super::router;
 use crate::channels::ChannelSettings;
-use crate::scheduler::{Scheduler, SchedulerConfig, run_memory_bytes};
+use crate::runner::default_run_memory_bytes;
+use crate::scheduler::{Scheduler, SchedulerConfig};
 use crate::store::Store;
 
 /// Most runs that may be unfinished.
@@ -72,7 +73,7 @@ pub fn serve(options: ServeOptions) -> anyhow::Result<()> {
             unfinished_limit: UNFINISHED_LIMIT,
             run_memory_bytes: options
                 .run_memory_bytes
-                .unwrap_or_else(|| run_memory_bytes(workers)),
+                .unwrap_or_else(|| default_run_memory_bytes(workers)),
             channels: ChannelSettings::default(),
         };
         let scheduler = Arc::new(Scheduler::start(Arc::clone(&store), config)?);

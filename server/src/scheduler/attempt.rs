@@ -1,25 +1,19 @@
-//! One worker with one run: from its checkpoint or its beginning, in blocks of steps, to its end or
-//! until it is asked to let go. Blocks are sized by time, which never changes what a run computes.
+//! One worker with one run: from its checkpoint or its beginning, to its end or until it is asked to
+//! let go.
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use api::FieldError;
-use swarm::run::{Phase, Progress, Run};
+use swarm::run::{Progress, Run};
 
 use super::SchedulerConfig;
-use super::block::Block;
-use super::live::{LiveRun, Speed, View, findings_of};
-use super::pace::Pace;
+use super::live::{LiveRun, Views, findings_of};
 use crate::artifacts::{run_result, thread_cpu_s};
 use crate::channels::{Extent, FramePublisher};
 use crate::documents::{ResolvedRun, parse, resolve};
+use crate::runner::{self, Checkpoints, MemoryBound};
 use crate::store::{Checkpoint, ClaimedRun, Finished, Position, Store};
-
-/// Least time between two views of a run, and the rest after one in multiples of what it took.
-const VIEW: (Duration, u32) = (Duration::from_millis(200), 200);
-/// The same for checkpoints.
-const CHECKPOINT: (Duration, u32) = (Duration::from_secs(2), 100);
 
 /// How an attempt ended.
 pub enum Ended {
@@ -53,39 +47,24 @@ pub fn attempt(
         .channels()
         .then(|| FramePublisher::open_or_warn(&config.channels, &claimed.id, extent))
         .flatten();
-    let mut progress = run.progress();
-    let done_before = progress.robot_steps_done;
-    let mut speed = Speed::new(done_before);
-    let mut views = Pace::new(VIEW.0, VIEW.1, Duration::ZERO);
-    let mut checkpoints = Pace::new(CHECKPOINT.0, CHECKPOINT.1, CHECKPOINT.0);
-    let mut block = Block::default();
-    let mut bytes = run.bytes();
-    while progress.phase != Phase::Done && !live.is_stopping() {
-        if bytes > config.run_memory_bytes {
-            return Ended::Failed(too_much_memory(bytes, config.run_memory_bytes));
-        }
-        progress = block.advance(&mut run);
-        if let Some(frames) = &mut frames {
-            frames.offer(&run);
-        }
-        views.when_due(|| {
-            bytes = run.bytes();
-            let measured = speed.update(Instant::now(), progress.robot_steps_done);
-            let robot_steps_per_s = measured.or(live.pace());
-            live.publish(View {
-                progress,
-                robot_steps_per_s,
-                findings: findings_of(&run),
-            });
-        });
-        checkpoints.when_due(|| save(store, &claimed.id, &run));
-    }
-    if let Some(frames) = &mut frames {
-        frames.offer_now(&run);
-    }
-    let steps = progress.robot_steps_done - done_before;
+    let done_before = run.progress().robot_steps_done;
+    let mut views = Views::new(live, done_before);
+    let mut checkpoints = Checkpoints::new(checkpoint_of, {
+        let (store, id) = (Arc::clone(store), claimed.id.clone());
+        move |checkpoint| write(&store, &id, &checkpoint)
+    });
+    let mut memory = MemoryBound::new(config.run_memory_bytes);
+    let ended = runner::step(
+        &mut run,
+        &|| live.is_stopping(),
+        &mut [&mut memory, &mut frames, &mut views, &mut checkpoints],
+    );
+    let steps = run.progress().robot_steps_done - done_before;
     if steps > 0 {
         live.set_pace(steps as f64 / start.elapsed().as_secs_f64().max(1e-9));
+    }
+    if let runner::Ended::Failed(reason) = ended {
+        return Ended::Failed(reason);
     }
     match run.outcome() {
         Some(outcome) => {
@@ -125,13 +104,20 @@ pub fn park(store: &Store, claimed: &ClaimedRun, run: &Run) {
     }
 }
 
-/// A run without a checkpoint starts again after a crash, with the same result: a warning will do.
 fn save(store: &Store, id: &str, run: &Run) {
-    let checkpoint = Checkpoint {
+    write(store, id, &checkpoint_of(run));
+}
+
+fn checkpoint_of(run: &Run) -> Checkpoint {
+    Checkpoint {
         findings: findings_of(run),
         snapshot: run.snapshot(),
-    };
-    if let Err(error) = store.checkpoints().write(id, &checkpoint) {
+    }
+}
+
+/// A run without a checkpoint starts again after a crash, with the same result: a warning will do.
+fn write(store: &Store, id: &str, checkpoint: &Checkpoint) {
+    if let Err(error) = store.checkpoints().write(id, checkpoint) {
         tracing::warn!(run = id, %error, "the checkpoint cannot be written");
     }
 }
@@ -166,13 +152,6 @@ fn open(store: &Store, id: &str, resolved: &ResolvedRun) -> Result<Run, Vec<Fiel
 
 fn warn_discarded(id: &str, error: &dyn std::fmt::Display) {
     tracing::warn!(run = id, %error, "the checkpoint is discarded; the run starts again");
-}
-
-fn too_much_memory(bytes: u64, most: u64) -> String {
-    format!(
-        "the run holds {bytes} bytes and this server allows a run {most} (--run-memory-bytes): \
-         give it a memory_budget_bytes, fewer robots or smaller caps of its learners"
-    )
 }
 
 fn spec_failure(errors: Vec<FieldError>) -> String {

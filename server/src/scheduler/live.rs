@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use swarm::run::{Progress, Run};
 
+use crate::runner::{Observer, Pace, Stop};
 use crate::store::Findings;
 
 /// A run at one moment.
@@ -93,6 +94,39 @@ impl LiveRun {
     pub fn publish(&self, view: View) {
         let view = Some(Arc::new(view));
         *self.view.lock().unwrap_or_else(PoisonError::into_inner) = view;
+    }
+}
+
+/// Shows a run to the rest of the program, at least every second.
+pub struct Views<'a> {
+    live: &'a LiveRun,
+    speed: Speed,
+    pace: Pace,
+}
+
+impl<'a> Views<'a> {
+    /// Views of a run that has done so many robot-steps.
+    pub fn new(live: &'a LiveRun, robot_steps_done: u64) -> Self {
+        Self {
+            live,
+            speed: Speed::new(robot_steps_done),
+            pace: Pace::every_second(),
+        }
+    }
+}
+
+impl Observer for Views<'_> {
+    fn after_block(&mut self, run: &Run, progress: &Progress) -> Result<(), Stop> {
+        let Self { live, speed, pace } = self;
+        pace.when_due(|| {
+            let measured = speed.update(Instant::now(), progress.robot_steps_done);
+            live.publish(View {
+                progress: *progress,
+                robot_steps_per_s: measured.or(live.pace()),
+                findings: findings_of(run),
+            });
+        });
+        Ok(())
     }
 }
 

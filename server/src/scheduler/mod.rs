@@ -4,9 +4,7 @@
 
 mod arenas;
 mod attempt;
-mod block;
 mod live;
-mod pace;
 mod progress;
 mod queue;
 mod submission;
@@ -29,10 +27,8 @@ use crate::store::{
 };
 pub use arenas::StoredArenas;
 use attempt::Ended;
-pub use block::Block;
 use live::LiveRun;
 pub use live::{View, findings_of};
-pub use pace::Pace;
 pub use progress::share;
 use queue::FairQueue;
 pub use submission::new_job;
@@ -77,13 +73,6 @@ struct State {
     /// Robot-steps a second of the run that was let go of last.
     pace: Option<f64>,
     stopping: bool,
-}
-
-/// Three quarters of the machine's memory, shared by the workers.
-pub fn run_memory_bytes(workers: NonZeroUsize) -> u64 {
-    let info = rustix::system::sysinfo();
-    let total = info.totalram as u64 * u64::from(info.mem_unit);
-    total / 4 * 3 / workers.get() as u64
 }
 
 impl Scheduler {

@@ -108,6 +108,81 @@ fn a_run_that_holds_too_much_fails_and_others_go_on() {
     wait_until_done(&store, small);
 }
 
+/// Threads that keep every processor busy while they live.
+struct Busy(
+    Arc<std::sync::atomic::AtomicBool>,
+    Vec<std::thread::JoinHandle<u64>>,
+);
+
+impl Busy {
+    fn start(a_processor: usize) -> Self {
+        let stop = Arc::new(std::sync::atomic::AtomicBool::new(false));
+        let processors = std::thread::available_parallelism().unwrap().get();
+        let threads = (0..processors * a_processor).map(|_| {
+            let stop = Arc::clone(&stop);
+            std::thread::spawn(move || {
+                let mut turns = 0_u64;
+                while !stop.load(std::sync::atomic::Ordering::Relaxed) {
+                    turns = std::hint::black_box(turns + 1);
+                }
+                turns
+            })
+        });
+        Self(Arc::clone(&stop), threads.collect())
+    }
+}
+
+impl Drop for Busy {
+    fn drop(&mut self) {
+        self.0.store(true, std::sync::atomic::Ordering::Relaxed);
+        for thread in self.1.drain(..) {
+            thread.join().unwrap();
+        }
+    }
+}
+
+/// Views stood still for 9 to 15 s once one of them had been slow.
+#[test]
+fn views_keep_coming_while_every_processor_is_busy() {
+    const WATCHED: Duration = Duration::from_secs(12);
+    /// A second, and room for the scheduler of a system that shares its processors with other tests.
+    const LONGEST: Duration = Duration::from_secs(3);
+    let dir = tempfile::tempdir().unwrap();
+    let (store, scheduler) = start(dir.path(), 2);
+    let endless = json!({
+        "base": {
+            "arena": { "from": "easy", "tile": [4, 4] }, "robots": 300, "placement": "grid",
+            "controller": { "method": "brownian" }, "epochs": 1_000_000, "steps_per_epoch": 100,
+        },
+        "seeds": { "first": 1, "count": 2 },
+    });
+    let submitted = submit(&scheduler, &endless);
+    let seqs: Vec<_> = runs(&endless)
+        .iter()
+        .map(|run| store.run(&run.key()).unwrap().unwrap().seq)
+        .collect();
+    wait_for("views", || {
+        seqs.iter().all(|seq| scheduler.view(*seq).is_some())
+    });
+    let _busy = Busy::start(4);
+    let begin = Instant::now();
+    let mut last = vec![(0, begin); seqs.len()];
+    let mut longest = Duration::ZERO;
+    while begin.elapsed() < WATCHED {
+        for (seq, (steps, at)) in seqs.iter().zip(&mut last) {
+            let now = scheduler.view(*seq).unwrap().progress.robot_steps_done;
+            longest = longest.max(at.elapsed());
+            if now > *steps {
+                (*steps, *at) = (now, Instant::now());
+            }
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    println!("greatest gap between two views: {longest:?}");
+    assert!(longest < LONGEST, "{longest:?} between two views");
+    scheduler.set_intent(submitted, Intent::Cancelled).unwrap();
+}
+
 #[test]
 fn a_job_ends_with_the_results_of_its_runs_alone() {
     let dir = tempfile::tempdir().unwrap();
