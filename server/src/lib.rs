@@ -13,5 +13,6 @@ pub mod reproduce;
 pub mod runner;
 pub mod scheduler;
 mod statistics;
+mod stop;
 pub mod store;
 pub mod summary;

@@ -111,8 +111,18 @@ impl Server {
     }
 
     /// Asks the server to end, and waits until it has.
-    pub fn terminate(mut self) -> ExitStatus {
-        self.ask_to_end();
+    pub fn terminate(self) -> ExitStatus {
+        self.signal(Signal::TERM);
+        self.end()
+    }
+
+    /// Sends a signal to the server.
+    pub fn signal(&self, signal: Signal) {
+        self::signal(&self.child, signal);
+    }
+
+    /// Waits until the server has ended.
+    pub fn end(mut self) -> ExitStatus {
         wait::for_exit(&mut self.child)
     }
 }

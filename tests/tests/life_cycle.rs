@@ -2,7 +2,12 @@
 //! nobody wants any more end.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+use std::io::Write;
+use std::net::TcpStream;
+use std::time::Duration;
+
 use api::{Job, State};
+use rustix::process::Signal;
 use serde_json::json;
 use tests::server::Server;
 use tests::{job, small_spec, wait};
@@ -56,6 +61,43 @@ fn a_server_that_is_asked_to_stop_ends_well_and_goes_on() {
         let now = server.runs(&posted)[0].progress.clone()?;
         (now.robot_steps_done > after.robot_steps_done).then_some(())
     });
+}
+
+/// Process groups, Slurm and container inits send several signals within milliseconds.
+#[test]
+fn a_server_that_is_asked_several_times_at_once_still_ends_well() {
+    let home = tempfile::tempdir().unwrap();
+    let server = Server::start(home.path());
+    let posted = server.submit(&endless());
+    wait::until("some steps", || {
+        let progress = server.runs(&posted)[0].progress.clone()?;
+        (progress.robot_steps_done > 0).then_some(())
+    });
+    for signal in [Signal::TERM, Signal::INT, Signal::TERM] {
+        server.signal(signal);
+        std::thread::sleep(Duration::from_millis(3));
+    }
+    let status = server.end();
+    assert_eq!(status.code(), Some(0), "{status}");
+    let checkpoints = std::fs::read_dir(home.path().join("data/checkpoints")).unwrap();
+    assert_eq!(checkpoints.count(), 2, "of the runs that two threads had");
+}
+
+#[test]
+fn a_server_that_is_asked_again_a_second_later_ends_at_once() {
+    let home = tempfile::tempdir().unwrap();
+    let server = Server::start(home.path());
+    // A request that is never finished, which the server waits for a little.
+    let mut open = TcpStream::connect(server.url().trim_start_matches("http://")).unwrap();
+    open.write_all(b"POST /v1/jobs HTTP/1.1\r\nhost: 127.0.0.1\r\n")
+        .unwrap();
+    open.write_all(b"content-type: application/json\r\ncontent-length: 100\r\n\r\n{")
+        .unwrap();
+    std::thread::sleep(Duration::from_millis(300));
+    server.signal(Signal::TERM);
+    std::thread::sleep(Duration::from_millis(1_200));
+    server.signal(Signal::TERM);
+    assert_eq!(server.end().code(), Some(1));
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The result directory: written beside its place and renamed into it as one, or not at all.
+//! The result directory: its files are made elsewhere and put into place when all are there.
 
 use std::fs::{self, File};
 use std::io::{self, Write};
@@ -8,6 +8,7 @@ use serde::Serialize;
 use swarm::run::Outcome;
 
 use super::files::{Maker, Material, RUN_FILES, RunFile};
+use super::put::put;
 use super::run_result;
 use super::timing::Timing;
 use crate::documents::ResolvedRun;
@@ -34,35 +35,39 @@ pub struct WriteError {
     pub source: io::Error,
 }
 
-fn at(path: &Path) -> impl FnOnce(io::Error) -> WriteError {
+pub(super) fn at(path: &Path) -> impl FnOnce(io::Error) -> WriteError {
     let path = path.to_owned();
     move |source| WriteError { path, source }
 }
 
-/// Writes all files of a finished run into `directory`, which must not exist or be empty.
+/// Name of the directory, in the one given for it, in which files are made.
+pub const STAGED: &str = "files";
+
+/// Makes all files of a finished run in `workspace` and puts them at `directory`, which must not
+/// exist or be empty; see [`put`].
 ///
 /// # Errors
-/// The first file that could not be written; then `directory` is as it was.
+/// The first file that could not be written or put into place.
 pub fn write_directory(
     directory: &Path,
+    workspace: &Path,
     finished: &Finished<'_>,
     timing: &Timing,
 ) -> Result<(), WriteError> {
-    let parent = match directory.parent() {
-        Some(parent) if parent != Path::new("") => parent,
-        _ => Path::new("."),
-    };
-    fs::create_dir_all(parent).map_err(at(parent))?;
-    let beside = beside(parent).map_err(at(parent))?;
+    let staged = workspace.join(STAGED);
+    // What an earlier process made of the same run and did not come to put into place.
+    if let Err(error) = fs::remove_dir_all(&staged)
+        && error.kind() != io::ErrorKind::NotFound
+    {
+        return Err(at(&staged)(error));
+    }
+    fs::create_dir(&staged).map_err(at(&staged))?;
     for (name, bytes) in files(finished, timing) {
-        let path = beside.path().join(name);
+        let path = staged.join(name);
         write_synced(&path, &bytes).map_err(at(&path))?;
     }
-    sync(beside.path()).map_err(at(beside.path()))?;
-    fs::rename(beside.path(), directory).map_err(at(directory))?;
-    // It has moved: there is nothing left to remove at the old place.
-    let _kept = beside.keep();
-    sync(parent).map_err(at(parent))
+    sync(&staged).map_err(at(&staged))?;
+    put(&staged, directory)
 }
 
 /// The spec of the finished run that `directory` holds, as the text of its `spec.json`.
@@ -112,24 +117,12 @@ fn json(document: &impl Serialize) -> Vec<u8> {
     bytes
 }
 
-/// A fresh directory with the permissions of an ordinary one.
-fn beside(parent: &Path) -> io::Result<tempfile::TempDir> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".evswarm-");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(fs::Permissions::from_mode(0o777));
-    }
-    builder.tempdir_in(parent)
-}
-
-fn write_synced(path: &Path, bytes: &[u8]) -> io::Result<()> {
+pub(super) fn write_synced(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let mut file = File::create(path)?;
     file.write_all(bytes)?;
     file.sync_all()
 }
 
-fn sync(directory: &Path) -> io::Result<()> {
+pub(super) fn sync(directory: &Path) -> io::Result<()> {
     File::open(directory)?.sync_all()
 }

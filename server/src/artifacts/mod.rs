@@ -12,6 +12,7 @@ mod objects;
 mod palette;
 mod picture;
 mod pushed;
+mod put;
 mod raster;
 mod scene;
 mod tables;
@@ -19,7 +20,7 @@ mod timing;
 mod vector;
 
 pub use coverage::{coverage_png, coverage_svg};
-pub use directory::{Finished, WriteError, is_complete, write_directory};
+pub use directory::{Finished, STAGED, WriteError, is_complete, write_directory};
 pub use files::{Maker, Material, RUN_FILES, RunFile};
 pub use metrics::{metrics_csv, metrics_json, robots_csv};
 pub use npy::visits_npy;

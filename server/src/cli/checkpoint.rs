@@ -1,11 +1,15 @@
-//! What `evswarm run` keeps beside its output directory while it runs: a snapshot to go on from.
+//! What `evswarm run` keeps while it runs, beside its output directory or in it: a snapshot to go on
+//! from.
 
 use std::fs::{self, File, TryLockError};
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use anyhow::{Context, bail};
 use serde::{Deserialize, Serialize};
+
+use super::out::Out;
 
 /// `DIR.partial`, held by one process at a time.
 pub struct Checkpoint {
@@ -39,14 +43,13 @@ struct Note {
 }
 
 impl Checkpoint {
-    /// Opens or makes the directory beside `out` for the run of this key.
+    /// Opens or makes the directory for the run of this key.
     ///
     /// # Errors
     /// It cannot be made, or another process holds it.
-    pub fn open(out: &Path, key: String) -> anyhow::Result<Self> {
-        let directory = beside(out)?;
+    pub fn open(out: &Out, key: String) -> anyhow::Result<Self> {
+        let directory = out.make_workspace()?;
         let shown = directory.display();
-        fs::create_dir_all(&directory).with_context(|| format!("cannot make {shown}"))?;
         let path = directory.join("lock");
         let lock =
             File::create(&path).with_context(|| format!("cannot write {}", path.display()))?;
@@ -57,10 +60,7 @@ impl Checkpoint {
                 _lock: lock,
             }),
             Err(TryLockError::WouldBlock) => {
-                bail!(
-                    "another process is at work on {} (it holds {shown})",
-                    out.display()
-                )
+                bail!("another process is at work on {out} (it holds {shown})")
             }
             Err(TryLockError::Error(error)) => {
                 Err(error).with_context(|| format!("cannot lock {}", path.display()))
@@ -100,8 +100,13 @@ impl Checkpoint {
         self.replace("note.json", &serde_json::to_vec(&note)?)
     }
 
+    /// The directory.
+    pub fn directory(&self) -> &Path {
+        &self.directory
+    }
+
     /// Removes the directory: the run is done.
-    pub fn remove(self) {
+    pub fn remove(self: Arc<Self>) {
         if let Err(error) = fs::remove_dir_all(&self.directory) {
             tracing::warn!("cannot remove {}: {error}", self.directory.display());
         }
@@ -120,16 +125,6 @@ impl Checkpoint {
     }
 }
 
-/// `DIR.partial` for `DIR`.
-fn beside(out: &Path) -> anyhow::Result<PathBuf> {
-    let Some(name) = out.file_name() else {
-        bail!("{} has no name of its own to write beside", out.display());
-    };
-    let mut name = name.to_owned();
-    name.push(".partial");
-    Ok(out.with_file_name(name))
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
@@ -138,7 +133,7 @@ mod tests {
     #[test]
     fn what_was_saved_comes_back_for_the_same_run_alone() {
         let home = tempfile::tempdir().unwrap();
-        let out = home.path().join("out");
+        let out = Out::at(&home.path().join("out")).unwrap();
         let spent = Spent {
             wall_s: 1.5,
             cpu_s: 2.5,
@@ -162,16 +157,7 @@ mod tests {
         drop(again);
         let other = Checkpoint::open(&out, "b".to_owned()).unwrap();
         assert!(other.load().is_none());
-        other.remove();
+        Arc::new(other).remove();
         assert_eq!(fs::read_dir(home.path()).unwrap().count(), 0);
-    }
-
-    #[test]
-    fn the_place_is_beside_the_output() {
-        assert_eq!(
-            beside(Path::new("a/out/")).unwrap(),
-            Path::new("a/out.partial")
-        );
-        assert!(beside(Path::new("..")).is_err());
     }
 }

@@ -5,6 +5,7 @@ mod checkpoint;
 mod client;
 mod compare;
 mod data;
+mod out;
 mod output;
 mod progress;
 mod reproduce;

@@ -3,7 +3,6 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -12,7 +11,6 @@ use api::State;
 use serde::Serialize;
 
 use super::progress::Meter;
-use super::run::stop_flag;
 use super::{Failure, output};
 use crate::artifacts;
 use crate::channels::ChannelSettings;
@@ -20,6 +18,7 @@ use crate::documents::ExpandedJob;
 use crate::reproduce::{Plan, Report, Settings, replace};
 use crate::runner::default_run_memory_bytes;
 use crate::scheduler::{Scheduler, SchedulerConfig, new_job};
+use crate::stop::Stop;
 use crate::store::{Created, Intent, JobKey, JobRequest, JobView, RunState, Store};
 
 /// Time between two looks at how far the job is.
@@ -70,7 +69,7 @@ pub fn reproduce(arguments: &ReproduceArguments) -> Result<(), Failure> {
         Some(threads) => threads,
         None => thread::available_parallelism().map_or(1, usize::from),
     };
-    let stop = stop_flag()?;
+    let stop = Stop::on_signals(super::EXIT_FAILED.into())?;
     let verdicts = carry_out(settings, &arguments.out, threads, &stop)?;
     for line in verdicts {
         output::say(line)?;
@@ -84,7 +83,7 @@ fn carry_out(
     settings: Settings,
     out: &Path,
     threads: usize,
-    stop: &AtomicBool,
+    stop: &Stop,
 ) -> Result<Vec<String>, Failure> {
     let began = Instant::now();
     let cpu_s = artifacts::process_cpu_s();
@@ -173,7 +172,7 @@ fn finish(
     job: &JobView,
     runs: u64,
     threads: usize,
-    stop: &AtomicBool,
+    stop: &Stop,
 ) -> anyhow::Result<()> {
     if job.counts.done > 0 {
         tracing::info!("{} of {runs} runs are complete", job.counts.done);
@@ -196,7 +195,7 @@ fn finish(
     let state = loop {
         let view = find(store, job.seq)?;
         let state = view.intent.job_state(&view.counts);
-        if state.is_final() || stop.load(Ordering::SeqCst) {
+        if state.is_final() || stop.is_asked() {
             break state;
         }
         meter.show_share(done(&view), &format!("run {}/{runs}", view.counts.done));
@@ -248,7 +247,7 @@ mod tests {
     }
 
     fn all_of(settings: &Settings, out: &Path, threads: usize) -> Vec<String> {
-        let never = AtomicBool::new(false);
+        let never = Stop::fixed(false);
         carry_out(settings.clone(), out, threads, &never).unwrap_or_else(|failure| {
             panic!("{failure:?}");
         })
@@ -306,7 +305,7 @@ mod tests {
     fn stopped_it_says_how_to_go_on_and_writes_no_report() {
         let (settings, home) = (settings(), tempfile::tempdir().unwrap());
         let out = home.path().join("out");
-        let stopped = AtomicBool::new(true);
+        let stopped = Stop::fixed(true);
         let failure = carry_out(settings.clone(), &out, 2, &stopped).unwrap_err();
         assert!(format!("{failure:?}").contains("goes on from here"));
         assert!(!out.join("report.md").exists());

@@ -4,14 +4,13 @@ use std::io::Read;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use anyhow::{Context, anyhow};
-use signal_hook::consts::{SIGINT, SIGTERM};
+use anyhow::{Context, anyhow, bail};
 use swarm::run::{Outcome, RestoreError, Run};
 
 use super::checkpoint::{Checkpoint, Spent};
+use super::out::Out;
 use super::progress::Meter;
 use super::{Failure, output};
 use crate::artifacts::{self, Finished, Timing};
@@ -19,6 +18,7 @@ use crate::channels::{ChannelSettings, Extent, FramePublisher};
 use crate::documents::{self, BuiltinArenas, ResolvedRun};
 use crate::runner::{self, Checkpoints, Ended, MemoryBound};
 use crate::scheduler::findings_of;
+use crate::stop::Stop;
 
 #[derive(Debug, clap::Args)]
 pub struct RunArguments {
@@ -41,23 +41,17 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let spec = documents::parse(&text)
         .and_then(|value| documents::resolve(&value, &BuiltinArenas))
         .map_err(Failure::WrongSpec)?;
-    let out = &arguments.out;
+    let out = &Out::at(&arguments.out)?;
     if already_complete(out, &spec)? {
-        return output::say(format_args!(
-            "{} is already complete for this spec",
-            out.display()
-        ));
+        return output::say(format_args!("{out} is already complete for this spec"));
     }
     // Refused before anything is written.
     swarm::run::check_placement(&spec.run_spec()).map_err(|error| wrong(vec![error]))?;
-    let checkpoint = Checkpoint::open(out, spec.key())?;
+    let checkpoint = Arc::new(Checkpoint::open(out, spec.key())?);
     // Another process may have finished between the look above and the lock.
     if already_complete(out, &spec)? {
         checkpoint.remove();
-        return output::say(format_args!(
-            "{} is already complete for this spec",
-            out.display()
-        ));
+        return output::say(format_args!("{out} is already complete for this spec"));
     }
     if let Some(threads) = arguments.threads {
         rayon::ThreadPoolBuilder::new()
@@ -65,7 +59,7 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
             .build_global()
             .context("cannot set the number of threads")?;
     }
-    let stop = stop_flag()?;
+    let stop = Stop::on_signals(super::EXIT_FAILED.into())?;
 
     let (run, before) = start(&spec, &checkpoint)?;
     let mut work = Work {
@@ -91,7 +85,7 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
         outcome: &outcome,
         findings: &findings_of(&work.run),
     };
-    artifacts::write_directory(out, &finished, &timing)?;
+    artifacts::write_directory(out.place(), checkpoint.directory(), &finished, &timing)?;
     checkpoint.remove();
     report(out, &outcome, &timing)
 }
@@ -161,40 +155,15 @@ pub(super) fn read(path: &Path) -> anyhow::Result<String> {
 ///
 /// # Errors
 /// It holds something else.
-fn already_complete(out: &Path, spec: &ResolvedRun) -> anyhow::Result<bool> {
-    match artifacts::is_complete(out) {
+fn already_complete(out: &Out, spec: &ResolvedRun) -> anyhow::Result<bool> {
+    match artifacts::is_complete(out.place()) {
         Some(written) if written == spec.canonical_json() => Ok(true),
-        Some(_) => Err(anyhow!(
-            "{} holds the result of another spec; name another directory or remove it",
-            out.display()
-        )),
-        None => match std::fs::read_dir(out) {
-            Ok(mut entries) => match entries.next() {
-                None => Ok(false),
-                Some(_) => Err(anyhow!(
-                    "{} is not empty and holds no result; name another directory",
-                    out.display()
-                )),
-            },
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(false),
-            Err(error) => {
-                Err(error).with_context(|| format!("cannot use {} as a directory", out.display()))
-            }
-        },
+        Some(_) => {
+            bail!("{out} holds the result of another spec; name another directory or remove it")
+        }
+        None if out.is_free()? => Ok(false),
+        None => bail!("{out} is not empty and holds no result; name another directory"),
     }
-}
-
-/// Set by the first signal to stop; a second one ends the process at once.
-pub(super) fn stop_flag() -> anyhow::Result<Arc<AtomicBool>> {
-    let stop = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM] {
-        let failed = i32::from(super::EXIT_FAILED);
-        // In this order: the shutdown looks at the flag before the flag is set.
-        signal_hook::flag::register_conditional_shutdown(signal, failed, Arc::clone(&stop))
-            .and_then(|_| signal_hook::flag::register(signal, Arc::clone(&stop)))
-            .context("cannot listen for signals")?;
-    }
-    Ok(stop)
 }
 
 /// The run from its checkpoint, or from the beginning.
@@ -236,10 +205,10 @@ fn open_frames(spec: &ResolvedRun) -> Option<FramePublisher> {
 /// Steps the run to its end; `None` when stopped on the way, with a checkpoint made.
 fn finish(
     work: &mut Work,
-    checkpoint: &Checkpoint,
+    checkpoint: &Arc<Checkpoint>,
     mut frames: Option<FramePublisher>,
     run_memory_bytes: u64,
-    stop: &AtomicBool,
+    stop: &Stop,
 ) -> anyhow::Result<Option<Outcome>> {
     let progress = work.run.progress();
     let mut meter = Meter::new(
@@ -249,14 +218,17 @@ fn finish(
     );
     let Work { run, costs } = work;
     let mut memory = MemoryBound::new(run_memory_bytes);
-    let mut checkpoints = Checkpoints::new(|run: &Run| {
-        if let Err(error) = checkpoint.save(&run.snapshot(), costs.spent()) {
-            tracing::warn!("no checkpoint: {error:#}");
+    let mut checkpoints = Checkpoints::new(|run: &Run| (run.snapshot(), costs.spent()), {
+        let checkpoint = Arc::clone(checkpoint);
+        move |(snapshot, spent): (Vec<u8>, Spent)| {
+            if let Err(error) = checkpoint.save(&snapshot, spent) {
+                tracing::warn!("no checkpoint: {error:#}");
+            }
         }
     });
     let ended = runner::step(
         run,
-        &|| stop.load(Ordering::SeqCst),
+        &|| stop.is_asked(),
         &mut [&mut memory, &mut meter, &mut frames, &mut checkpoints],
     );
     match ended {
@@ -269,11 +241,10 @@ fn finish(
     }
 }
 
-fn report(out: &Path, outcome: &Outcome, timing: &Timing) -> Result<(), Failure> {
+fn report(out: &Out, outcome: &Outcome, timing: &Timing) -> Result<(), Failure> {
     let coverage = outcome.coverage;
     output::say(format_args!(
-        "{}: p1 {}, p2 {}, p5 {}, p10 {} of {} reachable squares; {:.1} s, {:.0} robot-steps/s",
-        out.display(),
+        "{out}: p1 {}, p2 {}, p5 {}, p10 {} of {} reachable squares; {:.1} s, {:.0} robot-steps/s",
         coverage.p1,
         coverage.p2,
         coverage.p5,

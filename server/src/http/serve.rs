@@ -9,7 +9,6 @@ use std::time::Duration;
 
 use anyhow::{Context, anyhow, bail};
 use tokio::net::TcpListener;
-use tokio::signal::unix::{SignalKind, signal};
 
 use super::access::Tokens;
 use super::listen::listen;
@@ -17,6 +16,7 @@ use super::router;
 use crate::channels::ChannelSettings;
 use crate::runner::default_run_memory_bytes;
 use crate::scheduler::{Scheduler, SchedulerConfig};
+use crate::stop::Stop;
 use crate::store::Store;
 
 /// Most runs that may be unfinished.
@@ -77,12 +77,21 @@ pub fn serve(options: ServeOptions) -> anyhow::Result<()> {
             channels: ChannelSettings::default(),
         };
         let scheduler = Arc::new(Scheduler::start(Arc::clone(&store), config)?);
-        let stop = stop_signal()?;
+        let stop = Stop::on_signals(1)?;
         let routes = router(store, Arc::clone(&scheduler), tokens);
         announce(address);
-        run(listener, routes, stop).await;
-        tokio::task::spawn_blocking(move || scheduler.shut_down())
+        // Runs are let go of at once, not when the last request has ended.
+        let parked = tokio::spawn({
+            let asked = stop.clone().asked();
+            async move {
+                asked.await;
+                tokio::task::spawn_blocking(move || scheduler.shut_down()).await
+            }
+        });
+        run(listener, routes, stop.asked()).await;
+        parked
             .await
+            .and_then(|parked| parked)
             .context("the workers did not end")
     });
     // Nobody waits for the answers that blocking threads may still be working on.
@@ -144,18 +153,6 @@ async fn run(
         () = server => {}
         () = too_late => tracing::warn!("requests were still open"),
     }
-}
-
-/// Completes at the first SIGINT or SIGTERM.
-fn stop_signal() -> anyhow::Result<impl Future<Output = ()> + Send + 'static> {
-    let mut interrupt = signal(SignalKind::interrupt()).context("cannot handle SIGINT")?;
-    let mut terminate = signal(SignalKind::terminate()).context("cannot handle SIGTERM")?;
-    Ok(async move {
-        tokio::select! {
-            _ = interrupt.recv() => {}
-            _ = terminate.recv() => {}
-        }
-    })
 }
 
 /// Where the page is, on standard output: for people, and for programs that asked for port 0.
