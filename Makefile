@@ -13,13 +13,19 @@ CARGO_DENY_VERSION := 0.20.2
 build:
 	$(CARGO) build --release --workspace --bins --examples
 
-# Serves at LISTEN and, unless DATA holds jobs already, posts the README's first job. Ctrl-C stops
-# the server, which keeps what its runs have done; the next `make run` goes on from there.
+# Serves at LISTEN, says what to open and, unless DATA holds jobs already, posts the README's first
+# job and follows it. Ctrl-C stops the server, which keeps what its runs have done; the next
+# `make run` goes on from there.
+run: export EVSWARM_SERVER = http://$(LISTEN)
 run: build
 	@(for try in 1 2 3 4 5 6 7 8 9 10; do \
 		sleep 0.5; \
-		jobs=$$($(EVSWARM) status --server http://$(LISTEN) 2>/dev/null) || continue; \
-		test -n "$$jobs" || $(EVSWARM) submit experiments/first-job.json --server http://$(LISTEN); \
+		jobs=$$($(EVSWARM) status 2>/dev/null) || continue; \
+		echo "Open $$EVSWARM_SERVER/ in a browser. For the README's commands, in another shell:"; \
+		echo "  export EVSWARM_SERVER=$$EVSWARM_SERVER"; \
+		test -n "$$jobs" && break; \
+		$(EVSWARM) submit experiments/first-job.json --watch && \
+			echo "The first job is done: $$EVSWARM_SERVER/ shows what it found."; \
 		break; \
 	done) & exec $(EVSWARM) serve --listen $(LISTEN) --data $(DATA)
 

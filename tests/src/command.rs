@@ -41,6 +41,7 @@ fn start_in(arguments: &[&str], root: &Path, variables: &[(&str, &str)]) -> Chil
     Command::new(program("evswarm"))
         .args(arguments)
         .env("XDG_RUNTIME_DIR", root)
+        .env_remove("EVSWARM_SERVER")
         .env_remove("EVSWARM_TOKEN")
         .env_remove("RUST_LOG")
         .envs(variables.iter().copied())

@@ -82,6 +82,44 @@ fn a_token_opens_a_server_that_asks_for_one() {
     }
 }
 
+/// Proxies were asked for the way to this very machine, and not named when they failed.
+#[test]
+fn this_machine_is_reached_without_a_proxy_and_a_proxy_that_fails_is_named() {
+    let home = tempfile::tempdir().unwrap();
+    let server = Server::start(home.path());
+    // Nobody listens on the port that is for discarding.
+    let proxy = "http://127.0.0.1:9";
+    let variables: Vec<(&str, &str)> = ["HTTP_PROXY", "HTTPS_PROXY", "ALL_PROXY"]
+        .map(|name| (name, proxy))
+        .to_vec();
+    let local = server.url().replace("127.0.0.1", "localhost");
+    for url in [server.url(), &local] {
+        let done = evswarm_in(&["status", "--server", url], "", &variables);
+        assert_eq!(done.code, Some(0), "{url}: {done:?}");
+    }
+    // An address that is nobody's.
+    let failed = evswarm_in(&["status", "--server", "http://192.0.2.1"], "", &variables);
+    assert_eq!(failed.code, Some(1));
+    assert!(
+        failed.stderr.contains("through the proxy 127.0.0.1:9"),
+        "{failed:?}"
+    );
+}
+
+#[test]
+fn the_server_can_stand_in_the_environment() {
+    let home = tempfile::tempdir().unwrap();
+    let server = Server::start(home.path());
+    server.submit(&job(small_spec(), 1));
+    let variables = [("EVSWARM_SERVER", server.url())];
+    let done = evswarm_in(&["status"], "", &variables);
+    assert_eq!(
+        (done.code, done.stdout.lines().count()),
+        (Some(0), 1),
+        "{done:?}"
+    );
+}
+
 #[test]
 fn the_catalogue_needs_no_server() {
     let listed = evswarm(&["controllers", "--json"], "");

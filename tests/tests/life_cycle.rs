@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use api::{Job, State};
 use rustix::process::Signal;
-use serde_json::json;
+use serde_json::{Value, json};
 use tests::server::Server;
 use tests::{job, small_spec, wait};
 
@@ -98,6 +98,34 @@ fn a_server_that_is_asked_again_a_second_later_ends_at_once() {
     std::thread::sleep(Duration::from_millis(1_200));
     server.signal(Signal::TERM);
     assert_eq!(server.end().code(), Some(1));
+}
+
+#[test]
+fn a_log_for_programs_has_an_object_a_line_with_the_run_in_it() {
+    let home = tempfile::tempdir().unwrap();
+    let server = Server::start_with(
+        home.path(),
+        &["--log-format", "json", "--run-memory-bytes", "1000000"],
+    );
+    let mut spec = small_spec();
+    spec["robots"] = json!(500);
+    spec["placement"] = json!("grid");
+    spec["arena"] = json!({ "from": "easy", "tile": [5, 5] });
+    let posted = server.submit(&job(spec, 1));
+    wait::until("the failure", || {
+        let job: Job = server.read(&format!("/v1/jobs/{}", posted.id));
+        (job.runs.failed == 1).then_some(())
+    });
+    let id = server.only_run(&posted).id;
+    assert_eq!(server.terminate().code(), Some(0));
+    let log = std::fs::read_to_string(home.path().join("server.log")).unwrap();
+    let lines: Vec<Value> = log
+        .lines()
+        .map(|line| serde_json::from_str(line).unwrap_or_else(|error| panic!("{error}: {line}")))
+        .collect();
+    let failed = lines.iter().find(|line| line["level"] == "ERROR").unwrap();
+    assert_eq!(failed["span"]["id"], id.as_str(), "{failed}");
+    assert!(failed["timestamp"].is_string());
 }
 
 #[test]

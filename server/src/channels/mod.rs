@@ -22,8 +22,8 @@ use api::frames::{
 use swarm::run::{Phase, Progress, Run};
 use swarm::world::{Bodies, Body, Objects};
 
-pub use extent::Extent;
 use crate::runner::{Ended, Observer, Stop};
+pub use extent::Extent;
 pub use ports::ChannelError;
 use ports::{HISTORY, MAX_SUBSCRIBERS, Ports, subscriber_buffer};
 use slot::{Frame, Slot};

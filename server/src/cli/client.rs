@@ -1,5 +1,6 @@
 //! `evswarm submit`, `status` and `cancel`: a client of the HTTP service.
 
+use std::net::IpAddr;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -7,6 +8,7 @@ use anyhow::{Context, anyhow, bail};
 use api::{Job, JobPage, Problem, State};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
+use ureq::http::Uri;
 
 use super::progress::Meter;
 use super::{Failure, output};
@@ -24,6 +26,7 @@ pub struct Server {
     #[arg(
         long = "server",
         value_name = "URL",
+        env = "EVSWARM_SERVER",
         default_value = "http://127.0.0.1:8080"
     )]
     url: String,
@@ -162,23 +165,56 @@ pub fn job_path(id: &str) -> anyhow::Result<String> {
     Ok(format!("/v1/jobs/{id}"))
 }
 
+/// Whether a URL names this very machine.
+fn is_loopback(url: &str) -> bool {
+    let uri: Option<Uri> = url.parse().ok();
+    let host = uri.as_ref().and_then(Uri::host).unwrap_or_default();
+    let address = host.trim_start_matches('[').trim_end_matches(']');
+    host.eq_ignore_ascii_case("localhost")
+        || (address.parse::<IpAddr>()).is_ok_and(|address| address.is_loopback())
+}
+
 pub struct Client {
     agent: ureq::Agent,
     url: String,
     /// Value of the `authorization` header.
     bearer: Option<String>,
+    /// Host and port of the proxy between here and there.
+    proxy: Option<String>,
 }
 
 impl Client {
     pub fn new(server: &Server) -> Self {
-        let config = ureq::Agent::config_builder()
+        let mut config = ureq::Agent::config_builder()
             .http_status_as_error(false)
-            .timeout_global(Some(TIMEOUT))
-            .build();
+            .timeout_global(Some(TIMEOUT));
+        // Nobody but this machine itself knows the way to it.
+        if is_loopback(&server.url) {
+            config = config.proxy(None);
+        }
+        let config = config.build();
+        let url = server.url.trim_end_matches('/').to_owned();
+        let proxy = config.proxy().filter(|proxy| {
+            let uri = url.parse::<Uri>();
+            !uri.is_ok_and(|uri| proxy.is_no_proxy(&uri))
+        });
         Self {
+            proxy: proxy.map(|proxy| format!("{}:{}", proxy.host(), proxy.port())),
             agent: config.into(),
-            url: server.url.trim_end_matches('/').to_owned(),
+            url,
             bearer: super::token::of_environment().map(|token| format!("Bearer {token}")),
+        }
+    }
+
+    /// That nobody answers, and by what way nobody was reached.
+    fn silence(&self) -> String {
+        match &self.proxy {
+            Some(proxy) => format!(
+                "no answer from {} through the proxy {proxy}, which the environment names \
+                 (HTTPS_PROXY, HTTP_PROXY, ALL_PROXY; NO_PROXY lists hosts to reach without it)",
+                self.url
+            ),
+            None => format!("no answer from {}", self.url),
         }
     }
 
@@ -221,7 +257,7 @@ impl Client {
         &self,
         response: Result<ureq::http::Response<ureq::Body>, ureq::Error>,
     ) -> Result<String, Failure> {
-        let mut response = response.with_context(|| format!("no answer from {}", self.url))?;
+        let mut response = response.with_context(|| self.silence())?;
         let status = response.status();
         let body = response
             .body_mut()
@@ -247,6 +283,28 @@ impl Client {
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
+
+    #[test]
+    fn this_machine_is_known_by_its_names() {
+        for url in [
+            "http://127.0.0.1:8080",
+            "http://127.3.2.1/",
+            "http://localhost:1",
+            "http://LOCALHOST",
+            "http://[::1]:8080/v1",
+        ] {
+            assert!(is_loopback(url), "{url}");
+        }
+        for url in [
+            "http://10.0.0.1",
+            "http://localhost.example",
+            "http://[::2]",
+            "127",
+            "",
+        ] {
+            assert!(!is_loopback(url), "{url}");
+        }
+    }
 
     #[test]
     fn ids_cannot_leave_their_route() {

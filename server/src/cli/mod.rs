@@ -14,10 +14,11 @@ mod token;
 
 use std::ffi::OsString;
 use std::io::IsTerminal;
-use std::net::SocketAddr;
+use std::net::{Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::LazyLock;
+use std::time::Duration;
 
 use api::FieldError;
 use clap::{CommandFactory, Parser, Subcommand};
@@ -39,8 +40,27 @@ static VERSION: LazyLock<String> = LazyLock::new(|| {
 #[derive(Debug, Parser)]
 #[command(name = "evswarm", version = VERSION.as_str(), propagate_version = true)]
 struct Arguments {
+    /// How the log on standard error is written.
+    #[arg(
+        long,
+        global = true,
+        env = "EVSWARM_LOG_FORMAT",
+        value_enum,
+        default_value_t
+    )]
+    log_format: LogFormat,
     #[command(subcommand)]
     command: Command,
+}
+
+/// How the log is written.
+#[derive(Clone, Copy, Debug, Default, clap::ValueEnum)]
+enum LogFormat {
+    /// Lines for people.
+    #[default]
+    Text,
+    /// An object a line, for programs.
+    Json,
 }
 
 #[derive(Debug, Subcommand)]
@@ -51,8 +71,9 @@ enum Command {
     Reproduce(reproduce::ReproduceArguments),
     /// Start the HTTP service.
     Serve {
-        /// Address to listen on.
-        #[arg(long, default_value = "127.0.0.1:8080")]
+        /// Address to listen on: an IP address or localhost, with a port; a port alone is one of
+        /// 127.0.0.1, and port 0 takes a free one.
+        #[arg(long, env = "EVSWARM_LISTEN", default_value = "127.0.0.1:8080", value_parser = listen_address)]
         listen: SocketAddr,
         /// Directory of the database, checkpoints and results.
         #[arg(long, default_value = "evswarm-data")]
@@ -68,6 +89,9 @@ enum Command {
         /// one in the variable EVSWARM_TOKEN. Needed to listen beyond this machine.
         #[arg(long, value_name = "FILE")]
         tokens: Option<PathBuf>,
+        /// Seconds that open requests have to end once the service is to stop.
+        #[arg(long, env = "EVSWARM_DRAIN_S", default_value_t = 3, value_parser = clap::value_parser!(u64).range(0..=3_600))]
+        drain_s: u64,
     },
     /// Look through a data directory for damage: exit code 1 and a line for each fault, or 0.
     Check(data::CheckArguments),
@@ -133,7 +157,7 @@ fn with_arguments(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             return ExitCode::from(if error.use_stderr() { EXIT_FAILED } else { 0 });
         }
     };
-    log_to_stderr();
+    log_to_stderr(arguments.log_format);
     if let Err(error) = crate::break_points::set_from_environment() {
         output::complain(format_args!("error: {error}"));
         return ExitCode::from(EXIT_FAILED);
@@ -163,6 +187,7 @@ fn dispatch(command: Command) -> Result<(), Failure> {
             threads,
             run_memory_bytes,
             tokens,
+            drain_s,
         } => {
             crate::http::serve(ServeOptions {
                 listen,
@@ -171,6 +196,7 @@ fn dispatch(command: Command) -> Result<(), Failure> {
                 run_memory_bytes,
                 token: token::of_environment(),
                 tokens,
+                drain: Duration::from_secs(drain_s),
             })?;
             Ok(())
         }
@@ -193,20 +219,39 @@ fn dispatch(command: Command) -> Result<(), Failure> {
 }
 
 /// `RUST_LOG` chooses what is logged; `info` unless it says otherwise.
-fn log_to_stderr() {
+fn log_to_stderr(format: LogFormat) {
     let filter = tracing_subscriber::EnvFilter::builder()
         .with_default_directive(tracing::level_filters::LevelFilter::INFO.into())
         .from_env_lossy();
     let subscriber = tracing_subscriber::fmt()
         .with_env_filter(filter)
         .with_writer(std::io::stderr)
-        .with_ansi(std::io::stderr().is_terminal())
         .with_target(false);
     #[allow(
         clippy::let_underscore_must_use,
         reason = "a second call in one process finds the first one's subscriber, which is as good"
     )]
-    let _ = subscriber.try_init();
+    let _ = match format {
+        LogFormat::Text => subscriber
+            .with_ansi(std::io::stderr().is_terminal())
+            .try_init(),
+        LogFormat::Json => subscriber.json().flatten_event(true).try_init(),
+    };
+}
+
+/// An address to listen on.
+fn listen_address(text: &str) -> Result<SocketAddr, String> {
+    let (host, port) = text.rsplit_once(':').unwrap_or(("", text));
+    let this_machine = host.is_empty() || host.eq_ignore_ascii_case("localhost");
+    let address = match port.parse() {
+        Ok(port) if this_machine => Some((Ipv4Addr::LOCALHOST, port).into()),
+        _ => text.parse().ok(),
+    };
+    address.ok_or_else(|| {
+        "must be an IP address or localhost, and a port, such as 127.0.0.1:8080, localhost:8080, \
+         [::1]:8080 or 8080"
+            .to_owned()
+    })
 }
 
 /// A number of threads, 1 to 1,024.
@@ -224,6 +269,33 @@ mod tests {
     #[test]
     fn the_command_line_is_well_formed() {
         Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn an_address_to_listen_on_is_short_for_this_machine() {
+        for (text, address) in [
+            ("127.0.0.1:8080", "127.0.0.1:8080"),
+            ("localhost:81", "127.0.0.1:81"),
+            ("LocalHost:0", "127.0.0.1:0"),
+            (":82", "127.0.0.1:82"),
+            ("83", "127.0.0.1:83"),
+            ("[::1]:84", "[::1]:84"),
+            ("0.0.0.0:85", "0.0.0.0:85"),
+        ] {
+            let parsed = listen_address(text).map(|address| address.to_string());
+            assert_eq!(parsed.as_deref(), Ok(address), "{text}");
+        }
+        for text in [
+            "",
+            "localhost",
+            "127.0.0.1",
+            "::1",
+            "example.org:80",
+            "65536",
+            "[::1]",
+        ] {
+            assert!(listen_address(text).is_err(), "{text}");
+        }
     }
 
     #[test]

@@ -8,7 +8,9 @@ use swarm::run::{Progress, Run};
 
 use crate::runner::{Ended, Observer, Stop};
 
-/// Time between two lines of a log.
+/// Time to the first line of a log ...
+const LOG_FIRST: Duration = Duration::from_secs(2);
+/// ... and between two lines.
 const LOG_EVERY: Duration = Duration::from_secs(10);
 
 /// Fine enough for a bar of a long job.
@@ -30,7 +32,7 @@ pub struct Meter {
 
 enum View {
     Bar(ProgressBar),
-    Log { last: Instant },
+    Log { next: Instant },
 }
 
 impl Meter {
@@ -54,7 +56,7 @@ impl Meter {
             View::Bar(bar)
         } else {
             View::Log {
-                last: Instant::now(),
+                next: Instant::now() + LOG_FIRST,
             }
         };
         Self {
@@ -79,9 +81,10 @@ impl Meter {
                 bar.set_position(done);
                 bar.set_message(what.to_owned());
             }
-            View::Log { last } => {
-                if last.elapsed() >= LOG_EVERY {
-                    *last = Instant::now();
+            View::Log { next } => {
+                let now = Instant::now();
+                if now >= *next {
+                    *next = now + LOG_EVERY;
                     let percent = 100.0 * done as f64 / self.total.max(1) as f64;
                     let left_s = self.total.saturating_sub(done) as f64 / pace.max(1e-9);
                     let pace = self

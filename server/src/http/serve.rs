@@ -21,8 +21,6 @@ use crate::store::Store;
 
 /// Most runs that may be unfinished.
 const UNFINISHED_LIMIT: u64 = 200_000;
-/// Time that open requests have to end once the service is to stop.
-const GRACE: Duration = Duration::from_secs(3);
 /// Largest file of tokens that is read.
 const MAX_TOKEN_FILE_BYTES: u64 = 4 << 20;
 
@@ -42,6 +40,8 @@ pub struct ServeOptions {
     pub token: Option<String>,
     /// A file of tokens, as `evswarm token` makes its lines.
     pub tokens: Option<PathBuf>,
+    /// Time that open requests have to end once the service is to stop.
+    pub drain: Duration,
 }
 
 /// Serves until SIGINT or SIGTERM, then checkpoints every run.
@@ -88,7 +88,7 @@ pub fn serve(options: ServeOptions) -> anyhow::Result<()> {
                 tokio::task::spawn_blocking(move || scheduler.shut_down()).await
             }
         });
-        run(listener, routes, stop.asked()).await;
+        run(listener, routes, stop.asked(), options.drain).await;
         parked
             .await
             .and_then(|parked| parked)
@@ -130,6 +130,7 @@ async fn run(
     listener: TcpListener,
     routes: axum::Router,
     stop: impl Future<Output = ()> + Send + 'static,
+    drain: Duration,
 ) {
     let (stopping, stopped) = tokio::sync::oneshot::channel::<()>();
     let server = listen(listener, routes, async move {
@@ -147,7 +148,7 @@ async fn run(
             reason = "it only fails when the sender is gone, which is as good"
         )]
         let _ = stopped.await;
-        tokio::time::sleep(GRACE).await;
+        tokio::time::sleep(drain).await;
     };
     tokio::select! {
         () = server => {}

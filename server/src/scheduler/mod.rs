@@ -339,6 +339,7 @@ impl Shared {
 
     /// Steps a claimed run and stores what became of it.
     fn step(&self, claimed: &ClaimedRun, live: &LiveRun) {
+        let _span = tracing::info_span!("run", id = claimed.id).entered();
         let stepping =
             AssertUnwindSafe(|| attempt::attempt(&self.store, &self.config, claimed, live));
         let ended = catch_unwind(stepping).unwrap_or_else(|panic| Ended::Failed(said(&*panic)));
