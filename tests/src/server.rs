@@ -107,12 +107,12 @@ impl Server {
 
     /// Asks the server to end.
     pub fn ask_to_end(&self) {
-        signal(&self.child, Signal::TERM);
+        self.signal(Signal::TERM);
     }
 
     /// Asks the server to end, and waits until it has.
     pub fn terminate(self) -> ExitStatus {
-        self.signal(Signal::TERM);
+        self.ask_to_end();
         self.end()
     }
 

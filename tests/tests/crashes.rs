@@ -86,7 +86,7 @@ fn runs_killed_after_their_claim_in_a_checkpoint_and_at_their_end_come_to_the_sa
                 let runs = server.runs(&job);
                 runs.iter().any(|run| run.progress.is_some()).then_some(())
             });
-            server.signal(Signal::TERM);
+            server.ask_to_end();
         });
     }
     kill_at(home.path(), "result-stored", |_| {});
