@@ -75,7 +75,7 @@ fn move_file(from: &Path, to: &Path, directory: &Path, name: &OsStr) -> io::Resu
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
 
     fn staged(home: &Path) -> std::path::PathBuf {

@@ -147,7 +147,7 @@ fn is_a_result(name: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
 
     fn workspace(path: &Path) -> PathBuf {

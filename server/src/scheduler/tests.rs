@@ -178,7 +178,7 @@ fn views_keep_coming_while_every_processor_is_busy() {
         }
         std::thread::sleep(Duration::from_millis(5));
     }
-    println!("greatest gap between two views: {longest:?}");
+    eprintln!("greatest gap between two views: {longest:?}");
     assert!(longest < LONGEST, "{longest:?} between two views");
     scheduler.set_intent(submitted, Intent::Cancelled).unwrap();
 }
