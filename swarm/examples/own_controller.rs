@@ -13,15 +13,22 @@ use swarm::robot::RobotModel;
 use swarm::spec::{EngineKind, Placement};
 use swarm::world::{Ground, World};
 
-/// Braitenberg's vehicle 2b with the sign turned: a wall on the right slows the left wheel.
+/// Drives on, turns away from what is beside it, and on the spot from what is ahead: always to the
+/// same side, so that no corner holds it.
 struct Avoider;
+
+/// Raw value of something about 3 cm away.
+const NEAR: f32 = 300.0;
 
 impl Controller for Avoider {
     #[inline(always)]
     fn act(&mut self, _step: u64, reading: &Reading) -> [f32; WHEELS] {
-        let [right_front, right, _, _, _, _, left, left_front] = reading.proximity;
-        let turn = |near: f32| 1.0 - 2.0 * (near / 400.0).min(1.0);
-        [turn(right_front + right), turn(left_front + left)]
+        let [ahead_right, right, _, _, _, _, left, ahead_left] = reading.proximity;
+        if ahead_right.max(ahead_left) > NEAR {
+            return [-0.5, 0.5];
+        }
+        let speed = |beside: f32| 1.0 - 0.5 * (beside / NEAR).min(1.0);
+        [speed(right), speed(left)]
     }
 
     /// What followed the move, for controllers that learn.

