@@ -29,6 +29,7 @@ fn refused(errors: Vec<swarm::spec::FieldError>) -> String {
     errors.iter().map(|error| format!("{error}\n")).collect()
 }
 
+/// Shows it.
 pub fn main() -> Result<(), Box<dyn Error>> {
     let outcome = explore()?;
     let (entered, reachable) = (outcome.coverage_reachable[0], outcome.reachable);

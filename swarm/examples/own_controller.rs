@@ -68,6 +68,7 @@ pub fn drive() -> Result<(u32, u32), Box<dyn Error>> {
     Ok((entered, world.entries().count() as u32))
 }
 
+/// Shows it.
 pub fn main() -> Result<(), Box<dyn Error>> {
     let (entered, squares) = drive()?;
     println!("{entered} of {squares} squares were entered");

@@ -44,6 +44,7 @@ pub fn both_ends() -> Result<[Option<String>; 2], Box<dyn Error>> {
     Ok([end(whole), end(second_part)])
 }
 
+/// Shows it.
 pub fn main() -> Result<(), Box<dyn Error>> {
     let [whole, restored] = both_ends()?;
     println!("never interrupted: {whole:?}\nrestored:          {restored:?}");

@@ -1,5 +1,5 @@
 //! The examples, run as they are.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "a test may fail so")]
 
 #[path = "../examples/one_run.rs"]
 mod one_run;
