@@ -2,6 +2,7 @@
 //! what the job is in the middle of, then its runs are changed in transactions of bounded size; the
 //! next start ends what a crash cut short.
 
+use std::sync::atomic::Ordering::Relaxed;
 use std::time::Duration;
 
 use rusqlite::{Connection, params};
@@ -13,10 +14,12 @@ use super::{Store, StoreError, to_sql};
 use crate::break_points::{Place, reach};
 
 /// Runs that are changed in one transaction.
-pub const PART: usize = 1_000;
+pub const PART: usize = 500;
 
-/// Time between two transactions in which others get their turn: the mutex is not fair.
+/// Time between two looks whether others still wait for their turn: the mutex is not fair.
 const BREATH: Duration = Duration::from_millis(1);
+/// Most looks between two transactions, should others come without end.
+const MOST_BREATHS: u32 = 1_000;
 
 /// Places in a job, from the first to before the second.
 #[derive(Clone, Copy)]
@@ -166,9 +169,14 @@ impl Store {
         }
     }
 
-    /// Lets others have the connection.
+    /// Lets those have the connection who wait for it.
     pub(super) fn breathe(&self) {
-        std::thread::sleep(BREATH);
+        for _ in 0..MOST_BREATHS {
+            if self.waiting_writers.load(Relaxed) == 0 {
+                return;
+            }
+            std::thread::sleep(BREATH);
+        }
     }
 }
 

@@ -26,6 +26,7 @@ mod state;
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicU64;
+use std::sync::atomic::Ordering::Relaxed;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -61,6 +62,8 @@ pub struct Store {
     dir: PathBuf,
     readers: Readers,
     connection: Mutex<Connection>,
+    /// Threads that wait for it.
+    waiting_writers: AtomicU64,
     /// Runs of jobs that are being stored which have no row yet.
     reserved_runs: AtomicU64,
     checkpoints: Checkpoints,
@@ -93,6 +96,7 @@ impl Store {
             dir: dir.to_owned(),
             readers: Readers::open(&path)?,
             connection: Mutex::new(connection),
+            waiting_writers: AtomicU64::new(0),
             reserved_runs: AtomicU64::new(0),
             checkpoints,
             _lock: lock,
@@ -128,9 +132,10 @@ impl Store {
 
     // A panic while the mutex was held left at worst an open transaction, which its guard rolled back.
     fn connection(&self) -> MutexGuard<'_, Connection> {
-        self.connection
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
+        self.waiting_writers.fetch_add(1, Relaxed);
+        let connection = self.connection.lock();
+        self.waiting_writers.fetch_sub(1, Relaxed);
+        connection.unwrap_or_else(PoisonError::into_inner)
     }
 }
 
