@@ -291,7 +291,7 @@ mod tests {
         assert_eq!(iqm(&[]), None);
         let values: Vec<f64> = (0..20).map(f64::from).collect();
         assert_eq!(iqm(&values), Some(9.5));
-        let one = iqm_interval(&[values.clone()]).unwrap();
+        let one = iqm_interval(std::slice::from_ref(&values)).unwrap();
         assert!(one.low < 9.5 && 9.5 < one.high);
         // Two strata far apart, each narrow: what lies between them is no error.
         let strata = [vec![0.0, 0.1, 0.2, 0.1], vec![10.0, 10.1, 10.2, 10.1]];
