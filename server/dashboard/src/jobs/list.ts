@@ -1,0 +1,141 @@
+// The list of jobs at the side: search, states, progress; newest first.
+
+import { h, keyed, show, write } from "../dom";
+import { link } from "../route";
+import { read, watch } from "../server";
+import type { Job, Page } from "../types";
+import { calm, trouble } from "../main";
+import { compact, duration, percent, sentence, whole } from "../words";
+
+const EVERY_MS = 2_000;
+const A_PAGE = 50;
+
+export const title = (job: { id: string; name: string }): string => job.name || `Job ${job.id}`;
+
+export interface JobList {
+  element: HTMLElement;
+  choose(id: string): void;
+  search(): void;
+}
+
+export function jobList(tell: (rate: string) => void): JobList {
+  const search = h("input", {
+    type: "search", id: "search", placeholder: "Search jobs", "aria-label": "Search jobs by name",
+  });
+  const state = h(
+    "select",
+    { "aria-label": "Jobs in state" },
+    ...["all", "running", "queued", "paused", "done", "failed", "cancelled"].map((name) =>
+      h("option", { value: name === "all" ? "" : name }, name),
+    ),
+  );
+  const items = h("ol", { class: "plain" });
+  const older = h("button", { type: "button", hidden: true }, "Older jobs");
+  const none = h("p", { class: "quiet", hidden: true }, "No job fits.");
+  const element = h(
+    "nav",
+    { class: "jobs", id: "jobs", "aria-label": "Jobs" },
+    h("div", { class: "filters" }, search, state),
+    items, none, older,
+  );
+  let chosen = "";
+  let limit = A_PAGE;
+  let jobs: Job[] = [];
+
+  const draw = (): void => {
+    const wanted = search.value.trim().toLowerCase();
+    const fits = jobs.filter(
+      (job) =>
+        (!state.value || job.state === state.value) &&
+        (!wanted || `${title(job)} ${job.id}`.toLowerCase().includes(wanted)),
+    );
+    keyed(items, fits, (job) => job.id, card, update);
+    show(none, jobs.length > 0 && fits.length === 0);
+  };
+  const card = (job: Job): HTMLLIElement =>
+    h(
+      "li",
+      {},
+      h(
+        "a",
+        { class: "card", href: link("job", job.id) },
+        h("span", { class: "title" }),
+        h("span", { class: "badge" }),
+        h("progress", { max: 1, "aria-hidden": true }),
+        h("span", { class: "facts" }),
+      ),
+    );
+  const update = (item: HTMLLIElement, job: Job): void => {
+    const [name, badge, bar, facts] = item.firstElementChild!.children as unknown as [
+      HTMLElement, HTMLElement, HTMLProgressElement, HTMLElement,
+    ];
+    write(name, title(job));
+    write(badge, job.state);
+    badge.dataset["state"] = job.state;
+    if (bar.value !== job.progress) bar.value = job.progress;
+    write(
+      facts,
+      sentence(
+        `${whole(job.runs.done)} of ${whole(job.runs.total)} runs`,
+        job.runs.failed > 0 && `${whole(job.runs.failed)} failed`,
+        job.state === "running" && percent(job.progress),
+        job.eta_s !== null && `${duration(job.eta_s)} left`,
+      ),
+    );
+    if (job.id === chosen) item.firstElementChild!.setAttribute("aria-current", "page");
+    else item.firstElementChild!.removeAttribute("aria-current");
+  };
+
+  const watching = watch(
+    EVERY_MS,
+    async (signal) => {
+      const found: Job[] = [];
+      let next: string | null = null;
+      do {
+        const size = Math.min(limit - found.length, 200);
+        const query = new URLSearchParams({ limit: String(size), ...(next && { cursor: next }) });
+        const page: Page<Job> = await read(`/v1/jobs?${query}`, signal);
+        found.push(...page.items);
+        next = page.next;
+      } while (next !== null && found.length < limit);
+      jobs = found;
+      show(older, next !== null);
+      calm();
+      const running = jobs.filter((job) => job.state === "running");
+      const rate = running.reduce((sum, job) => sum + (job.robot_steps_per_s ?? 0), 0);
+      tell(
+        running.length === 0
+          ? "nothing runs"
+          : sentence(
+              `${running.length} ${running.length === 1 ? "job runs" : "jobs run"}`,
+              rate > 0 && `${compact(rate)} robot-steps/s`,
+            ),
+      );
+      draw();
+      dispatchEvent(new CustomEvent("jobs", { detail: jobs }));
+    },
+    trouble,
+  );
+  older.addEventListener("click", () => {
+    limit += A_PAGE;
+    watching.now();
+  });
+  search.addEventListener("input", draw);
+  state.addEventListener("change", draw);
+  element.addEventListener("keydown", (event) => {
+    const step = { j: 1, k: -1, ArrowDown: 1, ArrowUp: -1 }[event.key];
+    const cards = [...items.querySelectorAll<HTMLElement>("a.card")];
+    const at = cards.indexOf(document.activeElement as HTMLElement);
+    if (step === undefined || at < 0) return;
+    event.preventDefault();
+    cards[at + step]?.focus();
+  });
+  return {
+    element,
+    choose: (id) => {
+      chosen = id;
+      draw();
+    },
+    search: () => search.focus(),
+  };
+}

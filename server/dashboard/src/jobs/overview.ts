@@ -1,0 +1,97 @@
+// Is everything well? What runs, what waits, what failed; and for a first visit, what a job is.
+
+import { h, keyed, show, write } from "../dom";
+import { link } from "../route";
+import { post, read } from "../server";
+import type { Job, Template } from "../types";
+import { trouble, type Screen } from "../main";
+import { title } from "./list";
+import { pace, percent, sentence, whole } from "../words";
+
+export function overview(): Screen {
+  const counts = h("p", { class: "facts" });
+  const running = h("ol", { class: "plain" });
+  const wrong = h("ol", { class: "plain" });
+  const wrongTitle = h("h3", { hidden: true }, "Failed");
+  const runningTitle = h("h3", { hidden: true }, "Under way");
+  const start = h("button", { type: "button", class: "primary" }, "Start a first job");
+  const welcome = h(
+    "section",
+    { class: "panel", hidden: true, "aria-labelledby": "welcome-title" },
+    h("h2", { id: "welcome-title" }, "No jobs yet"),
+    h(
+      "p",
+      {},
+      "A job is a sweep: a base run, values to try, and seeds. Each combination is a run of robots " +
+        "that learn in an arena; here you watch how much of it they cover and which method is better.",
+    ),
+    h("p", {}, start, " ", h("a", { class: "button", href: link("new") }, "Write one")),
+  );
+  const well = h(
+    "section",
+    { class: "panel", hidden: true, "aria-labelledby": "overview-title" },
+    h("h2", { id: "overview-title" }, "Overview"),
+    counts, runningTitle, running, wrongTitle, wrong,
+  );
+
+  start.addEventListener("click", () => void first(start));
+  const row = (job: Job): HTMLLIElement =>
+    h("li", { class: "row" }, h("a", { href: link("job", job.id) }), h("span", { class: "facts" }));
+  const fill = (item: HTMLLIElement, job: Job): void => {
+    const [name, facts] = item.children as unknown as [HTMLElement, HTMLElement];
+    write(name, title(job));
+    write(
+      facts,
+      sentence(
+        percent(job.progress),
+        `${whole(job.runs.done)} of ${whole(job.runs.total)} runs`,
+        job.runs.failed > 0 && `${whole(job.runs.failed)} failed`,
+        pace(job),
+      ),
+    );
+  };
+  const update = (event: Event): void => {
+    const jobs = (event as CustomEvent<Job[]>).detail;
+    show(welcome, jobs.length === 0);
+    show(well, jobs.length > 0);
+    const at = (state: string): Job[] => jobs.filter((job) => job.state === state);
+    const active = at("running");
+    const failed = jobs.filter((job) => job.runs.failed > 0);
+    const waiting = jobs.reduce((sum, job) => sum + job.runs.queued, 0);
+    write(
+      counts,
+      sentence(
+        `${whole(jobs.length)} jobs shown`,
+        `${whole(active.length)} under way`,
+        `${whole(waiting)} runs wait`,
+        `${whole(at("done").length)} done`,
+      ),
+    );
+    keyed(running, active, (job) => job.id, row, fill);
+    keyed(wrong, failed, (job) => job.id, row, fill);
+    show(runningTitle, active.length > 0);
+    show(wrongTitle, failed.length > 0);
+  };
+  addEventListener("jobs", update);
+  return {
+    element: h("div", { class: "screen" }, welcome, well),
+    title: "Overview",
+    stop: () => removeEventListener("jobs", update),
+  };
+}
+
+/** Posts the template `first-job`, and goes there. */
+async function first(button: HTMLButtonElement): Promise<void> {
+  button.disabled = true;
+  try {
+    const { items } = await read<{ items: Template[] }>("/v1/templates");
+    const template = items.find((item) => item.name === "first-job") ?? items[0];
+    if (!template) return;
+    const job = await post<Job>("/v1/jobs", JSON.stringify({ template: template.name }));
+    location.hash = link("job", job.id);
+  } catch (error) {
+    trouble(error);
+  } finally {
+    button.disabled = false;
+  }
+}

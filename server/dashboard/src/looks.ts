@@ -1,0 +1,39 @@
+// How groups and heat look: the same group has the same look in every chart of a job.
+
+/** Okabe and Ito (2008): told apart by people who are colour-blind; the last differs by theme. */
+const COLOURS = [
+  "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f", "#8c564b",
+] as const;
+const DASHES: readonly (readonly number[])[] = [[], [8, 4], [2, 3], [10, 3, 2, 3]];
+
+export interface Look {
+  colour: string;
+  dash: readonly number[];
+}
+
+/** The look of a group by its place: eight colours, then the same with dashes, 32 in all. */
+export function look(place: number): Look {
+  return {
+    colour: COLOURS[place % COLOURS.length] ?? COLOURS[0],
+    dash: DASHES[Math.floor(place / COLOURS.length) % DASHES.length] ?? [],
+  };
+}
+
+/** How many groups can be told apart by their look alone; beyond that labels do it. */
+export const LOOKS = COLOURS.length * DASHES.length;
+
+/** Viridis at nine places: perceptually uniform, and rising in lightness. */
+const VIRIDIS: readonly (readonly [number, number, number])[] = [
+  [68, 1, 84], [71, 44, 122], [59, 81, 139], [44, 113, 142], [33, 144, 141],
+  [39, 173, 129], [92, 200, 99], [170, 220, 50], [253, 231, 37],
+];
+
+/** The colour of a share of 0 to 1. */
+export function heat(share: number): readonly [number, number, number] {
+  const at = Math.min(Math.max(share, 0), 1) * (VIRIDIS.length - 1);
+  const low = Math.floor(at);
+  const from = VIRIDIS[low] ?? VIRIDIS[0]!;
+  const to = VIRIDIS[low + 1] ?? from;
+  const mix = (a: number, b: number): number => Math.round(a + (b - a) * (at - low));
+  return [mix(from[0], to[0]), mix(from[1], to[1]), mix(from[2], to[2])];
+}

@@ -1,0 +1,100 @@
+// The shell: a bar, the list of jobs, and the screen that the address names.
+
+import "./style.css";
+import { jobList } from "./jobs/list";
+import { overview } from "./jobs/overview";
+import { jobScreen } from "./job/screen";
+import { runScreen } from "./run/screen";
+import { submitScreen } from "./submit/screen";
+import { h, show, write } from "./dom";
+import { link, parse } from "./route";
+import { Problem } from "./server";
+
+/** What a screen is made of. */
+export interface Screen {
+  element: HTMLElement;
+  title: string;
+  /** Ends its watches. */
+  stop(): void;
+}
+
+const alert = h("p", { id: "alert", role: "alert", hidden: true });
+let troubled_since = 0;
+
+/** Tells what went wrong; a connection that is lost says so with the age of what is shown. */
+export function trouble(error: unknown): void {
+  if (error instanceof Problem) {
+    write(alert, error.message);
+  } else {
+    troubled_since ||= Date.now();
+    const age_s = Math.round((Date.now() - troubled_since) / 1000);
+    write(alert, `The server cannot be reached; what is shown is ${age_s} s old. Trying again.`);
+  }
+  show(alert, true);
+}
+
+/** All is well again. */
+export function calm(): void {
+  troubled_since = 0;
+  show(alert, false);
+}
+
+const rate = h("p", { class: "rate", "aria-live": "polite" });
+const main = h("main", {});
+const jobs = jobList((text) => write(rate, text));
+const menu = h(
+  "button",
+  { type: "button", class: "menu", "aria-expanded": "false", "aria-controls": "jobs" },
+  "Jobs",
+);
+menu.addEventListener("click", () => {
+  const open = document.body.classList.toggle("list-open");
+  menu.setAttribute("aria-expanded", String(open));
+});
+
+document.getElementById("app")?.append(
+  h(
+    "header",
+    { class: "bar" },
+    menu,
+    h("h1", {}, h("a", { href: link("overview") }, "evswarm")),
+    rate,
+    h("a", { class: "button primary", href: link("new") }, "New job"),
+  ),
+  alert,
+  h("div", { class: "columns" }, jobs.element, main),
+);
+
+let screen: Screen | null = null;
+let shown = "";
+
+function go(): void {
+  const route = parse(location.hash);
+  const key = `${route.view}/${route.id}`;
+  jobs.choose(route.view === "job" ? route.id : "");
+  if (key === shown) return;
+  shown = key;
+  screen?.stop();
+  calm();
+  screen = {
+    overview: () => overview(),
+    job: () => jobScreen(route.id, route.options),
+    run: () => runScreen(route.id, route.options),
+    new: () => submitScreen(route.options),
+  }[route.view]();
+  document.title = `${screen.title} – evswarm`;
+  main.replaceChildren(screen.element);
+  document.body.classList.remove("list-open");
+  menu.setAttribute("aria-expanded", "false");
+  scrollTo(0, 0);
+}
+
+addEventListener("hashchange", go);
+addEventListener("keydown", (event) => {
+  const target = event.target as HTMLElement | null;
+  if (event.key === "/" && !target?.matches("input, textarea, select")) {
+    event.preventDefault();
+    jobs.search();
+  }
+});
+go();
