@@ -1,6 +1,8 @@
 // Two files with names that stay: the server embeds them and answers with ETags.
 export default {
   base: "/",
+  // `npx vite` serves the sources as they are edited, before a server on this machine.
+  server: { proxy: { "/v1": process.env.EVSWARM_SERVER ?? "http://127.0.0.1:8080" } },
   build: {
     outDir: "dist",
     emptyOutDir: true,

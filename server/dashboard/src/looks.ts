@@ -37,3 +37,13 @@ export function heat(share: number): readonly [number, number, number] {
   const mix = (a: number, b: number): number => Math.round(a + (b - a) * (at - low));
   return [mix(from[0], to[0]), mix(from[1], to[1]), mix(from[2], to[2])];
 }
+
+/** A colour of the style sheet by its name, as a canvas takes it: of the theme in force. */
+export function themed(name: string): string {
+  const probe = document.createElement("span");
+  probe.style.color = `var(${name})`;
+  document.body.append(probe);
+  const colour = getComputedStyle(probe).color;
+  probe.remove();
+  return colour;
+}

@@ -3,7 +3,7 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { h, keyed, write } from "../dom";
-import { look } from "../looks";
+import { look, themed } from "../looks";
 import type { Curves } from "./pooled";
 import { figure, whole } from "../words";
 
@@ -30,9 +30,7 @@ export function curvesChart(): CurvesChart {
 
   const draw: CurvesChart["draw"] = (curves, labels, how) => {
     last = [curves, labels, how];
-    const style = getComputedStyle(document.documentElement);
-    const ink = style.getPropertyValue("--quiet");
-    const line = style.getPropertyValue("--line");
+    const [ink, line] = [themed("--quiet"), themed("--line")];
     const place = (label: string): number => Math.max(labels.indexOf(label), 0);
     const shown = curves.groups.filter((group) => !hidden.has(group.label));
     const xs = [...new Set(shown.flatMap((group) => group.points.map((point) => point.x)))].sort(
@@ -59,7 +57,8 @@ export function curvesChart(): CurvesChart {
     }
     chart?.destroy();
     plot.replaceChildren();
-    const axis = { stroke: ink, grid: { stroke: line, width: 1 }, ticks: { stroke: line } };
+    const font = "12px system-ui, sans-serif";
+    const axis = { stroke: ink, font, labelFont: font, grid: { stroke: line, width: 1 }, ticks: { stroke: line } };
     chart = new uPlot(
       {
         width: Math.max(plot.clientWidth, 280),

@@ -1,7 +1,7 @@
 // The arena of a run: walls, starts, and what was covered as a heat map with a legend.
 
 import { h, write } from "../dom";
-import { heat } from "../looks";
+import { heat, themed } from "../looks";
 import { whole } from "../words";
 
 export interface Walls {
@@ -53,8 +53,7 @@ export function scene(): Scene {
     canvas.style.width = `${walls.width_m * scale}px`;
     const pen = canvas.getContext("2d");
     if (!pen) return;
-    const style = getComputedStyle(document.documentElement);
-    pen.fillStyle = style.getPropertyValue("--floor");
+    pen.fillStyle = themed("--floor");
     pen.fillRect(0, 0, canvas.width, canvas.height);
     const most = Math.max(1, ...grid.counts.map((row) => Math.max(...row)));
     const w = canvas.width / grid.columns;
@@ -70,7 +69,7 @@ export function scene(): Scene {
       });
     });
     const k = scale * density;
-    pen.strokeStyle = style.getPropertyValue("--ink");
+    pen.strokeStyle = themed("--ink");
     pen.lineWidth = 2 * density;
     pen.lineCap = "round";
     pen.strokeRect(density, density, canvas.width - 2 * density, canvas.height - 2 * density);
@@ -80,7 +79,7 @@ export function scene(): Scene {
       pen.lineTo(x2 * k, canvas.height - y2 * k);
     }
     pen.stroke();
-    pen.strokeStyle = style.getPropertyValue("--accent");
+    pen.strokeStyle = themed("--accent");
     for (const start of walls.starts.slice(0, 100)) {
       const [x, y, r] = [start.x_m * k, canvas.height - start.y_m * k, 0.037 * k];
       pen.beginPath();
