@@ -26,22 +26,17 @@ const ASSETS: &[Asset] = &[
     Asset {
         path: "/",
         media_type: HTML,
-        text: || include_str!("../../assets/page.html").into(),
+        text: || include_str!("../../dashboard/dist/index.html").into(),
     },
     Asset {
-        path: "/page.css",
+        path: "/dashboard.css",
         media_type: CSS,
-        text: || include_str!("../../assets/page.css").into(),
+        text: || include_str!("../../dashboard/dist/dashboard.css").into(),
     },
     Asset {
-        path: "/page.js",
+        path: "/dashboard.js",
         media_type: JS,
-        text: || include_str!("../../assets/page.js").into(),
-    },
-    Asset {
-        path: "/chart.js",
-        media_type: JS,
-        text: || include_str!("../../assets/chart.js").into(),
+        text: || include_str!("../../dashboard/dist/dashboard.js").into(),
     },
     Asset {
         path: "/files.js",

@@ -9,11 +9,13 @@ import { scene, type Walls } from "./scene";
 import { bytes, figure, pace, percent, sentence, whole } from "../words";
 
 const EVERY_MS = 1_000;
-const FILES: [string, string][] = [
-  ["spec", "spec"], ["result", "result"], ["curve.csv", "curve"], ["metrics.csv", "metrics"],
-  ["robots.csv", "robots"], ["coverage.csv", "visits"], ["coverage.npy", "visits (NumPy)"],
-  ["coverage.png", "picture"], ["coverage.svg", "drawing"],
-];
+/** A file of a run, as the server's own table lists it. */
+interface RunFile {
+  route: string;
+  needs_result: boolean;
+  needs_objects: boolean;
+  needs_findings: boolean;
+}
 
 interface Spec {
   arena: string | Partial<Arena>;
@@ -35,8 +37,7 @@ export function runScreen(id: string, _options: URLSearchParams): Screen {
   const picture = scene();
   const drawn = h("img", { hidden: true, alt: "Coverage of the run over its arena" });
   const figures = h("dl", { class: "figures" });
-  const files = h("p", { class: "facts" }, ...FILES.flatMap(([name, text]) =>
-    [h("a", { href: `/v1/runs/${id}/${name}` }, text), " "]));
+  const files = h("ul", { class: "plain files", "aria-label": "Files of this run" });
   const element = h(
     "article",
     { class: "screen panel" },
@@ -94,10 +95,23 @@ export function runScreen(id: string, _options: URLSearchParams): Screen {
         show(drawn, true);
       }
       list(figures, rowsOf(run, spec, coverage));
+      const listed = await fileTable();
+      keyed(
+        files,
+        listed.filter((file) => !file.needs_objects && (!file.needs_result || run.result !== null)),
+        (file) => file.route,
+        (file) => h("li", {}, h("a", { href: `/v1/runs/${id}/${file.route}` }, file.route)),
+        () => undefined,
+      );
     },
     trouble,
   );
   return { element, title: `Run ${id.slice(0, 8)}`, stop: () => { watching.stop(); picture.stop(); } };
+}
+
+async function fileTable(): Promise<RunFile[]> {
+  const script = "/files.js";
+  return ((await import(/* @vite-ignore */ script)) as { FILES: RunFile[] }).FILES;
 }
 
 /** The walls of a run's arena, where they are written out or the arena has a name. */

@@ -70,9 +70,8 @@ async fn the_page_and_the_catalogue_are_there() {
     let service = Service::start(None);
     for (path, media_type) in [
         ("/", "text/html; charset=utf-8"),
-        ("/page.css", "text/css; charset=utf-8"),
-        ("/page.js", "text/javascript; charset=utf-8"),
-        ("/chart.js", "text/javascript; charset=utf-8"),
+        ("/dashboard.css", "text/css; charset=utf-8"),
+        ("/dashboard.js", "text/javascript; charset=utf-8"),
         ("/health/livez", "application/json"),
         ("/health/readyz", "application/json"),
         ("/v1/controllers", "application/json"),
@@ -123,7 +122,7 @@ async fn a_token_is_asked_for_wherever_jobs_are_told_of() {
         .send(with("Bearer a long enough secret"), Body::empty())
         .await;
     assert_eq!(right.status, 200);
-    for open in ["/", "/page.js", "/health/livez"] {
+    for open in ["/", "/dashboard.js", "/health/livez"] {
         assert_eq!(service.get(open).await.status, 200, "{open}");
     }
 }
