@@ -1,4 +1,4 @@
-# What there is to do: make run | test | test-python | lint | circles | bench | figures
+# What there is to do: make run | test | lint | circles | dashboard | bench | figures
 
 CARGO ?= cargo
 LISTEN ?= 127.0.0.1:8080
@@ -8,7 +8,9 @@ EVSWARM := $(TARGET)/release/evswarm
 CARGO_DENY := target/tools/bin/cargo-deny
 CARGO_DENY_VERSION := 0.20.2
 
-.PHONY: build run test test-rust test-python lint circles deny bench figures
+DASHBOARD := server/dashboard
+
+.PHONY: build run dashboard test test-rust test-python test-dashboard lint circles deny bench figures
 
 build:
 	$(CARGO) build --release --workspace --bins --examples
@@ -29,11 +31,24 @@ run: build
 		break; \
 	done) & exec $(EVSWARM) serve --listen $(LISTEN) --data $(DATA)
 
-test: test-rust test-python
+test: test-rust test-python test-dashboard
 
 # The end-to-end tests start the binaries that `build` makes.
 test-rust: build
 	$(CARGO) test --release --workspace
+
+# The page: its built files are checked in, so that the program builds with Cargo alone.
+dashboard: $(DASHBOARD)/node_modules
+	cd $(DASHBOARD) && npm run --silent build
+
+$(DASHBOARD)/node_modules: $(DASHBOARD)/package-lock.json
+	cd $(DASHBOARD) && npm ci --no-audit --no-fund && touch node_modules
+
+# Whether the built files are those of the sources, then the page in Chromium before a real server.
+test-dashboard: build dashboard
+	git diff --exit-code --stat -- $(DASHBOARD)/dist
+	cd $(DASHBOARD) && npm test --silent && \
+		CARGO_TARGET_DIR=$(abspath $(TARGET)) npm run --silent browser
 
 # The Python client against the real server, in an environment of its own.
 VENV := $(TARGET)/python

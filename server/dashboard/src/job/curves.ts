@@ -33,23 +33,18 @@ export function curvesChart(): CurvesChart {
     const [ink, line] = [themed("--quiet"), themed("--line")];
     const place = (label: string): number => Math.max(labels.indexOf(label), 0);
     const shown = curves.groups.filter((group) => !hidden.has(group.label));
-    const xs = [...new Set(shown.flatMap((group) => group.points.map((point) => point.x)))].sort(
-      (a, b) => a - b,
-    );
-    const data: (number | null)[][] = [xs];
+    const data: (number | null)[][] = [curves.at];
     const series: uPlot.Series[] = [{ label: curves.x }];
     const bands: uPlot.Band[] = [];
+    const drawn = (value: number | null): number | null =>
+      value === null || (how.log && value <= 0) ? null : value;
     for (const group of shown) {
-      const at = new Map(group.points.map((point) => [point.x, point]));
       const { colour, dash } = look(place(group.label));
       const first = data.length;
-      const has = (value: number | null | undefined): number | null =>
-        value === null || value === undefined || (how.log && value <= 0) ? null : value;
-      data.push(xs.map((x) => has(at.get(x)?.mean)));
+      data.push(group.mean.map(drawn));
       series.push({ label: group.label, stroke: colour, width: 2, dash: [...dash], spanGaps: true, points: { show: false } });
-      if (group.n >= BAND_FROM) {
-        data.push(xs.map((x) => has(at.get(x)?.interval?.[1])));
-        data.push(xs.map((x) => has(at.get(x)?.interval?.[0])));
+      if (group.runs_done >= BAND_FROM) {
+        data.push(group.high.map(drawn), group.low.map(drawn));
         const edge: uPlot.Series = { label: "", stroke: "transparent", spanGaps: true, points: { show: false } };
         series.push(edge, { ...edge });
         bands.push({ series: [first + 1, first + 2], fill: `${colour}33` });
@@ -90,13 +85,11 @@ export function curvesChart(): CurvesChart {
         return h("li", {}, h("label", {}, box, swatch(place(group.label)), h("span", {})));
       },
       (item, group) => {
-        const end = group.points.at(-1);
+        const [mean, low, high] = [group.mean, group.low, group.high].map((list) => list.at(-1) ?? null);
+        const band = group.runs_done >= BAND_FROM && low !== null && high !== null;
+        const interval = band ? ` [${figure(low)}, ${figure(high)}]` : "";
         const name = item.querySelector("span:last-child")!;
-        const interval =
-          end?.interval && group.n >= BAND_FROM
-            ? ` [${figure(end.interval[0])}, ${figure(end.interval[1])}]`
-            : "";
-        write(name, `${group.label || "all runs"}  ${figure(end?.mean)}${interval}  n ${whole(group.n)}`);
+        write(name, `${group.label || "all runs"}  ${figure(mean)}${interval}  n ${whole(group.n.at(-1) ?? 0)}`);
       },
     );
     write(
@@ -147,9 +140,10 @@ export function download(name: string, href: string): void {
 }
 
 function rows(curves: Curves): string {
+  const cell = (value: number | null | undefined): string => String(value ?? "");
   const lines = curves.groups.flatMap((group) =>
-    group.points.map((point) =>
-      [JSON.stringify(group.label), point.x, point.n, point.mean, ...(point.interval ?? ["", ""])].join(","),
+    curves.at.map((x, place) =>
+      [JSON.stringify(group.label), x, ...[group.n, group.mean, group.low, group.high].map((list) => cell(list[place]))].join(","),
     ),
   );
   return [`group,${curves.x},n,mean,low,high`, ...lines].join("\n");

@@ -1,17 +1,18 @@
 // Differences of every pair of groups with their intervals: whichever crosses zero is not decided.
 
 import { h, svg, show } from "../dom";
-import type { Comparison } from "./pooled";
+import type { Comparison, Pair } from "./pooled";
 import { figure } from "../words";
 
 const ROW = 26;
 const WIDTH = 760;
 const NAMES = 300;
+/** Pairs that are drawn; the table has them all. */
 const SHOWN = 40;
 
 export interface ForestPlot {
   element: HTMLElement;
-  draw(comparison: Comparison, labels: string[]): void;
+  draw(comparison: Comparison): void;
 }
 
 export function forestPlot(): ForestPlot {
@@ -27,12 +28,12 @@ export function forestPlot(): ForestPlot {
   return {
     element,
     draw: (comparison) => {
-      const pairs = comparison.pairs
-        .filter((pair) => pair.difference !== null)
-        .slice(0, SHOWN);
+      const name = (pair: Pair): string =>
+        [pair.first, pair.second].map((place) => comparison.groups[place]?.label ?? "").join(" – ");
+      const pairs = comparison.pairs.filter((pair) => pair.difference !== null).slice(0, SHOWN);
       show(element, pairs.length > 0);
       const reach = Math.max(
-        ...pairs.flatMap((pair) => [pair.difference ?? 0, ...(pair.interval ?? [])].map(Math.abs)),
+        ...pairs.flatMap((pair) => [pair.difference ?? 0, pair.interval?.low ?? 0, pair.interval?.high ?? 0].map(Math.abs)),
         1e-12,
       );
       const x = (value: number): number => NAMES + ((value / reach + 1) / 2) * (WIDTH - NAMES - 20) + 10;
@@ -44,12 +45,13 @@ export function forestPlot(): ForestPlot {
       );
       pairs.forEach((pair, row) => {
         const y = row * ROW + ROW / 2;
-        const decided = pair.interval !== null && (pair.interval[0] > 0 || pair.interval[1] < 0);
-        const [low, high] = pair.interval ?? [pair.difference ?? 0, pair.difference ?? 0];
+        const decided = pair.differs;
+        const at = pair.difference ?? 0;
+        const { low, high } = pair.interval ?? { low: at, high: at };
         drawing.append(
-          svg("text", { x: 0, y: y + 4 }, `${pair.a} – ${pair.b}  (n ${pair.n})`.slice(0, 48)),
+          svg("text", { x: 0, y: y + 4 }, `${name(pair)}  (n ${pair.n})`.slice(0, 48)),
           svg("line", { x1: x(low), x2: x(high), y1: y, y2: y, class: decided ? "decided" : "open" }),
-          svg("circle", { cx: x(pair.difference ?? 0), cy: y, r: 4, class: decided ? "decided" : "open" },
+          svg("circle", { cx: x(at), cy: y, r: 4, class: decided ? "decided" : "open" },
             svg("title", {}, pair.sentence)),
         );
       });
@@ -57,16 +59,16 @@ export function forestPlot(): ForestPlot {
         drawing.append(svg("text", { x: x(value), y: height - 4, "text-anchor": "middle", class: "tick" }, figure(value)));
       }
       plot.replaceChildren(drawing);
-      const head = ["pair", "n", "difference", "interval", "P(a > b)", "p", "p (Holm)"];
+      const head = ["pair", "n", "difference", "interval", "P(first better)", "p", "p (Holm)"];
       table.replaceChildren(
         h("thead", {}, h("tr", {}, ...head.map((name) => h("th", { scope: "col" }, name)))),
         h("tbody", {}, ...comparison.pairs.map((pair) =>
           h("tr", {},
-            h("th", { scope: "row" }, `${pair.a} – ${pair.b}`),
+            h("th", { scope: "row" }, name(pair)),
             ...[
               String(pair.n), figure(pair.difference),
-              pair.interval ? `[${figure(pair.interval[0])}, ${figure(pair.interval[1])}]` : "–",
-              figure(pair.probability), figure(pair.p), figure(pair.p_holm),
+              pair.interval ? `[${figure(pair.interval.low)}, ${figure(pair.interval.high)}]` : "–",
+              figure(pair.improvement), figure(pair.p), figure(pair.p_holm),
             ].map((value) => h("td", {}, value))))),
       );
     },

@@ -126,7 +126,7 @@ export function jobScreen(id: string, options: URLSearchParams): Screen {
     write(verdict, comparison.verdict);
     show(copy, comparison.verdict !== "");
     curves.draw(lines, labels, { log: scale === "log", measure });
-    forest.draw(comparison, labels);
+    forest.draw(comparison);
     await strips.draw(id, summary, signal);
     pooled_at = now;
   };
@@ -144,7 +144,7 @@ export function jobScreen(id: string, options: URLSearchParams): Screen {
   });
   for (const [name, path] of [
     ["summary as CSV", "summary.csv"], ["summary as Markdown", "summary.md"],
-    ["runs as CSV", "runs.csv"], ["report", "report.html"],
+    ["report", "report.html"],
   ] as const) {
     const anchor = h("a", { href: `/v1/jobs/${id}/${path}` }, name);
     if (path === "report.html") {

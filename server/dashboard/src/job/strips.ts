@@ -1,14 +1,16 @@
 // Every run as a dot, by group, for each of the four coverage counts: nothing hides in a mean.
 
-import { h, svg } from "../dom";
+import { h, svg, write } from "../dom";
 import { look } from "../looks";
-import { ask } from "../server";
-import type { Summary } from "../types";
+import { read } from "../server";
+import type { Page, Run, Summary } from "../types";
 import { figure, whole } from "../words";
 
 const MEASURES = ["p1", "p2", "p5", "p10"] as const;
 const ROW = 22;
 const WIDTH = 360;
+/** Most runs that are drawn. */
+const MOST = 2_000;
 
 export interface StripPlots {
   element: HTMLElement;
@@ -17,22 +19,29 @@ export interface StripPlots {
 
 export function stripPlots(): StripPlots {
   const plots = h("div", { class: "strips" });
-  const element = h("section", {}, h("h3", {}, "All finished runs"), plots);
+  const cut = h("p", { class: "quiet" });
+  const element = h("section", {}, h("h3", {}, "All finished runs"), plots, cut);
   return {
     element,
     draw: async (job, summary, signal) => {
-      const text = await (await ask(`/v1/jobs/${job}/runs.csv`, { signal })).text();
-      const runs = parse(text);
+      const runs: Run[] = [];
+      let next: string | null = "0";
+      while (next !== null && runs.length < MOST) {
+        const page: Page<Run> = await read(`/v1/jobs/${job}/runs?limit=200&cursor=${next}`, signal);
+        runs.push(...page.items.filter((run) => run.result !== null));
+        next = page.next;
+      }
+      write(cut, next === null ? "" : `The first ${whole(runs.length)} finished runs are shown.`);
       const labels = summary.groups.map((group) => group.label);
       plots.replaceChildren(...MEASURES.map((measure) => strip(measure, labels, runs, summary)));
     },
   };
 }
 
-function strip(measure: string, labels: string[], runs: Record<string, string>[], summary: Summary): Element {
+function strip(measure: string, labels: string[], runs: Run[], summary: Summary): Element {
   const values = runs
-    .map((run) => ({ place: labels.indexOf(run["label"] ?? ""), value: Number(run[measure]), run: run["run"] ?? run["id"] ?? "" }))
-    .filter((run) => run.place >= 0 && Number.isFinite(run.value));
+    .map((run) => ({ place: labels.indexOf(run.label), value: run.result?.[measure] ?? 0, run: run.id }))
+    .filter((run) => run.place >= 0);
   const most = Math.max(...values.map((run) => run.value), 1);
   const height = labels.length * ROW + 40;
   const x = (value: number): number => 12 + (value / most) * (WIDTH - 24);
@@ -55,19 +64,4 @@ function strip(measure: string, labels: string[], runs: Record<string, string>[]
     drawing.append(svg("text", { x: x(value), y: height - 2, "text-anchor": value ? "end" : "start", class: "tick" }, figure(value)));
   }
   return drawing;
-}
-
-/** Rows of a CSV text by the names of its columns; fields may stand in quotes. */
-export function parse(text: string): Record<string, string>[] {
-  const lines = text.trim().split(/\r?\n/).map(fields);
-  const head = lines.shift() ?? [];
-  return lines.map((line) => Object.fromEntries(head.map((name, place) => [name, line[place] ?? ""])));
-}
-
-function fields(line: string): string[] {
-  const found: string[] = [];
-  for (const match of line.matchAll(/(?:^|,)(?:"((?:[^"]|"")*)"|([^,]*))/g)) {
-    found.push(match[1] !== undefined ? match[1].replaceAll('""', '"') : (match[2] ?? ""));
-  }
-  return found;
 }
