@@ -47,7 +47,6 @@ export interface Result {
   fractions: Record<"p1" | "p2" | "p5" | "p10", number>;
   metrics: Record<string, number | null>;
   memory: { plan: { bytes: number }; most_bytes: number; least_bytes: number };
-  [name: string]: unknown;
 }
 
 export interface Page<T> {

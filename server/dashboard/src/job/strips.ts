@@ -38,7 +38,7 @@ export function stripPlots(): StripPlots {
   };
 }
 
-function strip(measure: string, labels: string[], runs: Run[], summary: Summary): Element {
+function strip(measure: (typeof MEASURES)[number], labels: string[], runs: Run[], summary: Summary): Element {
   const values = runs
     .map((run) => ({ place: labels.indexOf(run.label), value: run.result?.[measure] ?? 0, run: run.id }))
     .filter((run) => run.place >= 0);
