@@ -16,14 +16,14 @@ export interface ForestPlot {
 }
 
 export function forestPlot(): ForestPlot {
-  const plot = h("div", { class: "scroll" });
+  const plot = h("div", { class: "scroll", tabindex: 0 });
   const table = h("table", {});
   const element = h(
     "section",
     { hidden: true },
     h("h3", {}, "Differences between groups"),
     plot,
-    h("details", {}, h("summary", {}, "As a table"), h("div", { class: "scroll" }, table)),
+    h("details", {}, h("summary", {}, "As a table"), h("div", { class: "scroll", tabindex: 0 }, table)),
   );
   return {
     element,

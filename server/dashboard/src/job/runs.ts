@@ -25,7 +25,7 @@ export function runsTable(): RunsTable {
   const before = h("button", { type: "button" }, "Previous runs");
   const after = h("button", { type: "button" }, "Next runs");
   const where = h("span", { class: "quiet" });
-  const element = h("div", {}, h("div", { class: "scroll" }, table), h("p", { class: "pages" }, before, " ", after, " ", where));
+  const element = h("div", {}, h("div", { class: "scroll", tabindex: 0 }, table), h("p", { class: "pages" }, before, " ", after, " ", where));
   let starts = ["0"];
   let next: string | null = null;
   let again: () => void = () => undefined;

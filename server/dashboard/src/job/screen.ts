@@ -3,7 +3,7 @@
 
 import { h, show, write } from "../dom";
 import { choose, link } from "../route";
-import { ask, post, read, remove, watch } from "../server";
+import { post, read, remove, watch } from "../server";
 import type { Job, Summary } from "../types";
 import { calm, trouble, type Screen } from "../main";
 import { title } from "../jobs/list";
@@ -15,6 +15,8 @@ import { runsTable } from "./runs";
 import type { Comparison, Curves } from "./pooled";
 
 const EVERY_MS = 2_000;
+/** Ten methods on each of three arenas. */
+const CHAPTER_5_GROUPS = 30;
 /** The measures that a reader may choose, and what they are called. */
 const MEASURES: [string, string][] = [
   ["p1", "squares entered once"],
@@ -123,6 +125,8 @@ export function jobScreen(id: string, options: URLSearchParams): Screen {
       read<Curves>(`/v1/jobs/${id}/curves?measure=${measure}&points=200`, signal),
     ]);
     const labels = summary.groups.map((group) => group.label);
+    // Only the experiments of chapter 5 have as many groups and a report.
+    show(report, summary.groups.length >= CHAPTER_5_GROUPS);
     write(verdict, comparison.verdict);
     show(copy, comparison.verdict !== "");
     curves.draw(lines, labels, { log: scale === "log", measure });
@@ -142,16 +146,12 @@ export function jobScreen(id: string, options: URLSearchParams): Screen {
     pooled_at = "";
     watching.now();
   });
-  for (const [name, path] of [
-    ["summary as CSV", "summary.csv"], ["summary as Markdown", "summary.md"],
-    ["report", "report.html"],
-  ] as const) {
-    const anchor = h("a", { href: `/v1/jobs/${id}/${path}` }, name);
-    if (path === "report.html") {
-      anchor.hidden = true;
-      ask(`/v1/jobs/${id}/report`).then(() => show(anchor, true), () => undefined);
-    }
-    downloads.append(anchor, " ");
-  }
+  const report = h("a", { href: `/v1/jobs/${id}/report.html`, hidden: true }, "report on chapter 5");
+  downloads.append(
+    h("a", { href: `/v1/jobs/${id}/summary.csv` }, "summary as CSV"), " ",
+    h("a", { href: `/v1/jobs/${id}/summary.md` }, "summary as Markdown"), " ",
+    h("a", { href: `/v1/jobs/${id}/comparison.csv?measure=p1` }, "comparison as CSV"), " ",
+    report,
+  );
   return { element, title: `Job ${id}`, stop: () => { watching.stop(); curves.stop(); } };
 }

@@ -40,7 +40,7 @@ export function submitScreen(options: URLSearchParams): Screen {
       "details",
       {},
       h("summary", {}, "Parameters of methods: defaults, ranges, units"),
-      h("div", { class: "scroll" }, h("table", {},
+      h("div", { class: "scroll", tabindex: 0 }, h("table", {},
         h("thead", {}, h("tr", {}, ...["controller.", "default", "allowed", "unit", "what it does"].map((name) => h("th", { scope: "col" }, name)))),
         parameters)),
     ),
