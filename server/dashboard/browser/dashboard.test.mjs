@@ -33,7 +33,7 @@ test("a first visit teaches, and one button starts the first job", async () => {
   await picture(page, "first-visit");
   await page.getByRole("button", { name: "Start a first job" }).click();
   await page.waitForURL(/#\/jobs\/1$/);
-  await page.locator("article .badge", { hasText: "done" }).waitFor({ timeout: 60_000 });
+  await page.locator(".head .badge", { hasText: "done" }).waitFor({ timeout: 60_000 });
   assert.deepEqual(wrong, []);
   await page.close();
 });
@@ -105,18 +105,18 @@ test("a run is watched while it goes on; its job is paused, resumed and cancelle
   const [run] = (await server.read(`/v1/jobs/${job.id}/runs`)).items;
   await page.goto(`${server.url}/#/runs/${run.id}`);
   await page.locator("dt", { hasText: "p1" }).first().waitFor();
-  const covered = () => page.locator(".scene canvas").getAttribute("aria-label");
+  const covered = () => page.locator(".scene canvas[role=img]").getAttribute("aria-label");
   await page.waitForFunction(() => /with [1-9]/.test(document.querySelector(".scene canvas")?.getAttribute("aria-label") ?? ""));
   assert.match(await covered(), /squares entered/);
   assert.deepEqual(await barriers(page), []);
   await picture(page, "run");
   await page.getByRole("link", { name: "Its job" }).click();
   await page.getByRole("button", { name: "Pause" }).click();
-  await page.locator("article .badge", { hasText: "paused" }).first().waitFor();
+  await page.locator(".head .badge", { hasText: "paused" }).waitFor();
   await page.getByRole("button", { name: "Resume" }).click();
-  await page.locator("article .badge", { hasText: "running" }).first().waitFor();
+  await page.locator(".head .badge", { hasText: "running" }).first().waitFor();
   await page.getByRole("button", { name: "Cancel" }).click();
-  await page.locator("article .badge", { hasText: "cancelled" }).first().waitFor();
+  await page.locator(".head .badge", { hasText: "cancelled" }).first().waitFor();
   assert.deepEqual(wrong, []);
   await page.close();
 });
@@ -138,7 +138,7 @@ test("a server with a token asks for it", async () => {
   try {
     const { page, wrong } = await openPage(browser, other, { expected: ["401"] });
     await page.goto(other.url);
-    await page.getByLabel("Token").fill(token);
+    await page.locator("#token").fill(token);
     await page.getByRole("button", { name: "Continue" }).click();
     await page.getByRole("heading", { name: "No jobs yet" }).waitFor();
     assert.deepEqual(wrong, []);

@@ -16,7 +16,7 @@ const FIRST = {
 
 export function submitScreen(options: URLSearchParams): Screen {
   const text = h("textarea", { id: "document", rows: 22, spellcheck: "false", "aria-describedby": "errors" });
-  const errors = h("ul", { id: "errors", role: "alert", class: "plain bad" });
+  const errors = h("ul", { id: "errors", class: "plain bad" });
   const start = h("button", { type: "submit", class: "primary" }, "Start");
   const template = h("select", { id: "template" }, h("option", { value: "" }, "choose …"));
   const about = h("p", { class: "quiet" });
@@ -28,7 +28,8 @@ export function submitScreen(options: URLSearchParams): Screen {
     h("p", {}, h("label", { for: "template" }, "Start from "), template),
     about,
     h("label", { for: "document" }, "The job as JSON"),
-    text, size, errors,
+    text, size,
+    h("div", { role: "alert" }, errors),
     h("p", {}, start),
   );
   const element = h(
