@@ -34,6 +34,9 @@ pub struct Job {
     pub name: String,
     /// Where it is in its life.
     pub state: State,
+    /// Jobs of higher priority come first.
+    #[serde(default)]
+    pub priority: i32,
     /// When it was accepted, RFC 3339 in UTC.
     pub created_at: String,
     /// Its runs by state.

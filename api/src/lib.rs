@@ -4,6 +4,7 @@
 
 pub mod catalog;
 pub mod comparison;
+pub mod control;
 pub mod curves;
 pub mod frames;
 pub mod job;
@@ -19,6 +20,7 @@ pub mod summary;
 pub use catalog::{
     ArenaListing, ControllerListing, MethodListing, ParameterListing, TemplateListing, Version,
 };
+pub use control::{Epochs, ExtendJob, Priority, RunLog, RunLogEntry};
 pub use job::{Job, JobPage, RunCounts, RunPage, RunSummary};
 pub use objects::{ObjectSample, ObjectTrack, ObjectTracks};
 pub use problem::{FieldError, Problem};

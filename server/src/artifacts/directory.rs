@@ -1,14 +1,14 @@
 //! The result directory: its files are made elsewhere and put into place when all are there.
 
-use std::fs::{self, File};
-use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::fs;
+use std::io;
+use std::path::Path;
 
 use serde::Serialize;
 use swarm::run::Outcome;
 
 use super::files::{Maker, Material, RUN_FILES, RunFile};
-use super::put::put;
+use super::put::{WriteError, at, put, sync, write_synced};
 use super::run_result;
 use super::timing::Timing;
 use crate::documents::ResolvedRun;
@@ -23,21 +23,6 @@ pub struct Finished<'a> {
     pub outcome: &'a Outcome,
     /// What it leaves besides.
     pub findings: &'a Findings,
-}
-
-/// A file that could not be written.
-#[derive(Debug, thiserror::Error)]
-#[error("cannot write {}: {source}", path.display())]
-pub struct WriteError {
-    /// The file or directory.
-    pub path: PathBuf,
-    /// Why.
-    pub source: io::Error,
-}
-
-pub(super) fn at(path: &Path) -> impl FnOnce(io::Error) -> WriteError {
-    let path = path.to_owned();
-    move |source| WriteError { path, source }
 }
 
 /// Name of the directory, in the one given for it, in which files are made.
@@ -115,14 +100,4 @@ fn json(document: &impl Serialize) -> Vec<u8> {
     let mut bytes = serde_json::to_vec_pretty(document).expect("a document is JSON");
     bytes.push(b'\n');
     bytes
-}
-
-pub(super) fn write_synced(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut file = File::create(path)?;
-    file.write_all(bytes)?;
-    file.sync_all()
-}
-
-pub(super) fn sync(directory: &Path) -> io::Result<()> {
-    File::open(directory)?.sync_all()
 }

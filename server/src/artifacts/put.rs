@@ -2,14 +2,27 @@
 //! where a directory stands that cannot be replaced, such as a mount point.
 
 use std::ffi::{OsStr, OsString};
-use std::fs;
-use std::io::{self, ErrorKind};
-use std::path::Path;
-
-use super::directory::{WriteError, at, sync, write_synced};
+use std::fs::{self, File};
+use std::io::{self, ErrorKind, Write};
+use std::path::{Path, PathBuf};
 
 /// The file that says that the others are there.
 const LAST: &str = "result.json";
+
+/// A file that could not be written.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot write {}: {source}", path.display())]
+pub struct WriteError {
+    /// The file or directory.
+    pub path: PathBuf,
+    /// Why.
+    pub source: io::Error,
+}
+
+pub(super) fn at(path: &Path) -> impl FnOnce(io::Error) -> WriteError {
+    let path = path.to_owned();
+    move |source| WriteError { path, source }
+}
 
 /// Puts the files of the directory `staged` at `directory`, which must not exist or be empty but for
 /// `staged` itself, in whatever depth.
@@ -73,12 +86,22 @@ fn move_file(from: &Path, to: &Path, directory: &Path, name: &OsStr) -> io::Resu
     }
 }
 
+pub(super) fn write_synced(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut file = File::create(path)?;
+    file.write_all(bytes)?;
+    file.sync_all()
+}
+
+pub(super) fn sync(directory: &Path) -> io::Result<()> {
+    File::open(directory)?.sync_all()
+}
+
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
 
-    fn staged(home: &Path) -> std::path::PathBuf {
+    fn staged(home: &Path) -> PathBuf {
         let staged = home.join("staged");
         fs::create_dir_all(&staged).unwrap();
         for name in ["a.csv", LAST, "z.csv"] {

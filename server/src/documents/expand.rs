@@ -153,7 +153,7 @@ fn together(
 }
 
 /// The job, or the template that it names with the job's own fields in place of the template's.
-fn with_template<'a>(job: &'a Value, errors: &mut Errors) -> Cow<'a, Value> {
+pub(super) fn with_template<'a>(job: &'a Value, errors: &mut Errors) -> Cow<'a, Value> {
     let Some((map, wanted)) = job
         .as_object()
         .and_then(|map| Some((map, map.get("template")?)))

@@ -1,6 +1,6 @@
 //! `/v1/jobs`: post, list, show, pause, resume, cancel, delete, and a job's runs.
 
-use api::{JobPage, ProblemCode, RunPage};
+use api::{JobPage, RunPage};
 use axum::body::Bytes;
 use axum::extract::State;
 use axum::http::header::LOCATION;
@@ -40,7 +40,7 @@ async fn create(
     app.blocking(move |app| {
         let arenas = StoredArenas::new(&app.store);
         let document = parse(&body)?;
-        let request = JobRequest::new(&body, idempotency_key);
+        let request = JobRequest::of_document(&body, idempotency_key);
         // A job for which there is no room, or that is stored already, need not be expanded.
         let earlier = app.scheduler.admit(&request, run_count(&document))?;
         let seq = match earlier {
@@ -122,7 +122,7 @@ async fn pause(State(app): State<App>, FoundJob(job): FoundJob) -> Result<Json<a
     want(app, job, Intent::Paused).await
 }
 
-/// `POST /v1/jobs/{id}/resume`.
+/// `POST /v1/jobs/{id}/resume`: also its runs that were paused one by one.
 async fn resume(
     State(app): State<App>,
     FoundJob(job): FoundJob,
@@ -133,14 +133,7 @@ async fn resume(
 /// `POST /v1/jobs/{id}/retry`: failed and cancelled runs wait again, from their beginning.
 async fn retry(State(app): State<App>, FoundJob(job): FoundJob) -> Result<Json<api::Job>, Refusal> {
     app.blocking(move |app| {
-        let state = job.intent.job_state(&job.counts);
-        if !state.is_final() {
-            return Err(Refusal::new(
-                ProblemCode::NotEnded,
-                format!("the job is {state}"),
-            ));
-        }
-        app.scheduler.retry(job.seq)?;
+        app.scheduler.try_again(&job)?;
         Ok(Json(views::job(&app.job(job.seq)?, &app.scheduler)))
     })
     .await
@@ -155,17 +148,10 @@ async fn delete(State(app): State<App>, FoundJob(job): FoundJob) -> Result<Statu
     .await
 }
 
-/// Changes what is wanted of a job; wanting the same again is no error.
+/// Changes what is wanted of a job.
 async fn want(app: App, job: JobView, intent: Intent) -> Result<Json<api::Job>, Refusal> {
     app.blocking(move |app| {
-        if job.intent != intent {
-            let state = job.intent.job_state(&job.counts);
-            if state.is_final() {
-                let detail = format!("the job is {state} already");
-                return Err(Refusal::new(ProblemCode::AlreadyEnded, detail));
-            }
-            app.scheduler.set_intent(job.seq, intent)?;
-        }
+        app.scheduler.want(&job, intent)?;
         Ok(Json(views::job(&app.job(job.seq)?, &app.scheduler)))
     })
     .await

@@ -10,6 +10,7 @@ mod comparison;
 mod compression;
 mod conditional;
 mod connections;
+mod control;
 mod extract;
 mod files;
 mod guard;
@@ -54,6 +55,7 @@ fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, tokens: Tokens) -> Route
     };
     let v1 = Router::new()
         .merge(jobs::routes())
+        .merge(control::routes())
         .merge(job_findings::routes())
         .merge(comparison::routes())
         .merge(runs::routes())

@@ -14,6 +14,7 @@ pub fn job(view: &JobView, scheduler: &Scheduler) -> Job {
         id: view.seq.to_string(),
         name: view.name.clone(),
         state,
+        priority: view.priority,
         created_at: view.created_at.clone(),
         runs: view.counts,
         progress: progress.fraction,

@@ -7,7 +7,8 @@ use std::time::Instant;
 
 use swarm::run::{Progress, Run};
 
-use super::{Ended, Observer, Pace, Stop};
+use super::observer::{Ended, Observer, Stop};
+use super::pace::Pace;
 
 /// Saves a run now and then, one checkpoint at a time.
 pub struct Checkpoints<T, Take> {

@@ -5,7 +5,8 @@ use std::num::NonZeroUsize;
 
 use swarm::run::{Progress, Run};
 
-use super::{Observer, Pace, Stop};
+use super::observer::{Observer, Stop};
+use super::pace::Pace;
 
 /// Three quarters of the machine's memory, shared by the runs that are stepped at a time.
 pub fn default_run_memory_bytes(workers: NonZeroUsize) -> u64 {

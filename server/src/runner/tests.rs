@@ -5,6 +5,8 @@ use std::cell::Cell;
 
 use serde_json::json;
 
+use swarm::run::Progress;
+
 use super::*;
 use crate::documents::{BuiltinArenas, resolve};
 

@@ -12,7 +12,7 @@ use super::live::{LiveRun, Views, findings_of};
 use crate::artifacts::{run_result, thread_cpu_s};
 use crate::channels::{Extent, FramePublisher};
 use crate::documents::{ResolvedRun, parse, resolve};
-use crate::runner::{self, Checkpoints, MemoryBound};
+use crate::runner::{self, Checkpoints, MemoryBound, PauseAt};
 use crate::store::{Checkpoint, ClaimedRun, Finished, Position, Store};
 
 /// How an attempt ended.
@@ -54,10 +54,17 @@ pub fn attempt(
         move |checkpoint| write(&store, &id, &checkpoint)
     });
     let mut memory = MemoryBound::new(config.run_memory_bytes);
+    let mut pause = claimed.pause_at_step.map(PauseAt);
     let ended = runner::step(
         &mut run,
         &|| live.is_stopping(),
-        &mut [&mut memory, &mut frames, &mut views, &mut checkpoints],
+        &mut [
+            &mut memory,
+            &mut frames,
+            &mut views,
+            &mut checkpoints,
+            &mut pause,
+        ],
     );
     let steps = run.progress().robot_steps_done - done_before;
     if steps > 0 {
@@ -82,6 +89,12 @@ pub fn attempt(
 
 /// Stores the position and the checkpoint of a run that is let go, unless it is not wanted any more.
 pub fn park(store: &Store, claimed: &ClaimedRun, run: &Run) {
+    let pause = claimed.pause_at_step.map(PauseAt);
+    if pause.is_some_and(|pause| pause.is_reached(run))
+        && let Err(error) = store.hold(claimed.seq, "paused after the steps asked for")
+    {
+        tracing::error!(run = claimed.id, %error, "the run cannot be held; it goes on");
+    }
     let Progress {
         phase,
         epochs_done,
@@ -122,7 +135,7 @@ fn write(store: &Store, id: &str, checkpoint: &Checkpoint) {
     }
 }
 
-fn stored_spec(store: &Arc<Store>, spec: &str) -> Result<ResolvedRun, Vec<FieldError>> {
+pub fn stored_spec(store: &Store, spec: &str) -> Result<ResolvedRun, Vec<FieldError>> {
     resolve(&parse(spec)?, &super::StoredArenas::new(store))
 }
 

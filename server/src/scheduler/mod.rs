@@ -4,6 +4,10 @@
 
 mod arenas;
 mod attempt;
+mod control;
+mod control_error;
+#[cfg(test)]
+mod control_tests;
 mod live;
 mod progress;
 mod queue;
@@ -27,6 +31,7 @@ use crate::store::{
 };
 pub use arenas::StoredArenas;
 use attempt::Ended;
+pub use control_error::ControlError;
 use live::LiveRun;
 pub use live::{View, findings_of};
 pub use progress::share;
@@ -82,6 +87,9 @@ impl Scheduler {
     /// When the store fails or a thread cannot be started.
     pub fn start(store: Arc<Store>, config: SchedulerConfig) -> Result<Self, StoreError> {
         let mut state = State::default();
+        for (job, priority) in store.priorities()? {
+            state.queue.set_priority(job, priority);
+        }
         for (job, run) in store.recover()? {
             state.queue.push(job, run);
         }
@@ -173,7 +181,11 @@ impl Scheduler {
     pub fn delete(&self, job: JobKey) -> Result<(), StoreError> {
         let _changing = self.change(job);
         let gone = self.shared.store.delete_job(job)?;
-        self.shared.state().queue.remove(job);
+        {
+            let queue = &mut self.shared.state().queue;
+            queue.remove(job);
+            queue.set_priority(job, 0);
+        }
         self.shared.let_go(&gone, true);
         Ok(())
     }

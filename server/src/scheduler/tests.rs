@@ -14,7 +14,7 @@ use crate::store::{JobRequest, RunState};
 
 const PATIENCE: Duration = Duration::from_secs(120);
 
-fn start(dir: &Path, workers: usize) -> (Arc<Store>, Scheduler) {
+pub fn start(dir: &Path, workers: usize) -> (Arc<Store>, Scheduler) {
     let store = Arc::new(Store::open(dir).unwrap());
     let config = SchedulerConfig {
         workers: NonZeroUsize::new(workers).unwrap(),
@@ -27,7 +27,7 @@ fn start(dir: &Path, workers: usize) -> (Arc<Store>, Scheduler) {
 }
 
 /// Brownian runs of the easy arena.
-fn job(epochs: u32, seeds: u32) -> Value {
+pub fn job(epochs: u32, seeds: u32) -> Value {
     json!({
         "base": {
             "arena": "easy", "controller": { "method": "brownian" },
@@ -37,11 +37,11 @@ fn job(epochs: u32, seeds: u32) -> Value {
     })
 }
 
-fn runs(job: &Value) -> Vec<ResolvedRun> {
+pub fn runs(job: &Value) -> Vec<ResolvedRun> {
     expand(job, &BuiltinArenas).unwrap().runs
 }
 
-fn submit(scheduler: &Scheduler, job: &Value) -> JobKey {
+pub fn submit(scheduler: &Scheduler, job: &Value) -> JobKey {
     let expanded = expand(job, &BuiltinArenas).unwrap();
     match scheduler
         .submit(&new_job(expanded, JobRequest::new(b"", None)))
@@ -51,7 +51,7 @@ fn submit(scheduler: &Scheduler, job: &Value) -> JobKey {
     }
 }
 
-fn wait_for(what: &str, condition: impl Fn() -> bool) {
+pub fn wait_for(what: &str, condition: impl Fn() -> bool) {
     let start = Instant::now();
     while !condition() {
         assert!(start.elapsed() < PATIENCE, "waited too long for {what}");
@@ -59,7 +59,7 @@ fn wait_for(what: &str, condition: impl Fn() -> bool) {
     }
 }
 
-fn wait_until_done(store: &Store, job: JobKey) {
+pub fn wait_until_done(store: &Store, job: JobKey) {
     wait_for("the job", || {
         let view = store.job(job).unwrap().unwrap();
         assert_eq!(view.counts.failed, 0);
@@ -67,7 +67,7 @@ fn wait_until_done(store: &Store, job: JobKey) {
     });
 }
 
-fn digest(store: &Store, run: &ResolvedRun) -> String {
+pub fn digest(store: &Store, run: &ResolvedRun) -> String {
     store
         .run(&run.key())
         .unwrap()
@@ -78,7 +78,7 @@ fn digest(store: &Store, run: &ResolvedRun) -> String {
         .clone()
 }
 
-fn digest_alone(run: &ResolvedRun) -> String {
+pub fn digest_alone(run: &ResolvedRun) -> String {
     let mut run = Run::new(run.run_spec()).unwrap();
     run.advance(u64::MAX);
     run.outcome().unwrap().state_sha256

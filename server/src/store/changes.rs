@@ -24,8 +24,8 @@ const MOST_BREATHS: u32 = 1_000;
 /// Places in a job, from the first to before the second.
 #[derive(Clone, Copy)]
 pub struct Part {
-    from: i64,
-    to: i64,
+    pub from: i64,
+    pub to: i64,
 }
 
 /// What becomes of a job after the last part.
@@ -33,6 +33,8 @@ pub struct Part {
 pub enum Closing {
     /// It is in the middle of nothing any more.
     Done,
+    /// Its runs are settled next.
+    Settling,
     /// It is gone.
     Gone,
 }
@@ -48,6 +50,9 @@ impl Store {
             .prepare_cached("UPDATE jobs SET intent = ?2, unfinished = 'settling' WHERE seq = ?1")?
             .execute(params![seq, intent.name()])?;
         let mut changed = Vec::new();
+        if intent == Intent::Active {
+            self.in_parts(seq, Closing::Settling, hold_no_more)?;
+        }
         self.settle_in_parts(seq, &mut changed)?;
         Ok(changed)
     }
@@ -154,6 +159,7 @@ impl Store {
             if !goes_on {
                 let close = match closing {
                     Closing::Done => "UPDATE jobs SET unfinished = NULL WHERE seq = ?1",
+                    Closing::Settling => "UPDATE jobs SET unfinished = 'settling' WHERE seq = ?1",
                     Closing::Gone => "DELETE FROM jobs WHERE seq = ?1",
                 };
                 transaction.prepare_cached(close)?.execute([seq])?;
@@ -188,7 +194,7 @@ pub fn requeue(connection: &Connection, job: JobKey, part: Part) -> rusqlite::Re
                 phase = CASE state WHEN 'paused' THEN phase END,
                 epochs_done = CASE state WHEN 'paused' THEN epochs_done ELSE 0 END,
                 robot_steps_done = CASE state WHEN 'paused' THEN robot_steps_done ELSE 0 END,
-                results_version = ?4, state = 'queued', reason = NULL
+                results_version = ?4, state = 'queued', reason = NULL, held = 0, pause_at_step = NULL
              WHERE state IN ('paused', 'failed', 'cancelled') AND seq IN (
                 SELECT run FROM job_runs WHERE job = ?1 AND ordinal >= ?2 AND ordinal < ?3)",
         )?
@@ -196,9 +202,24 @@ pub fn requeue(connection: &Connection, job: JobKey, part: Part) -> rusqlite::Re
     Ok(())
 }
 
+/// Runs that were held one by one do what their jobs want again.
+fn hold_no_more(connection: &Connection, job: JobKey, part: Part) -> rusqlite::Result<()> {
+    connection
+        .prepare_cached(
+            "UPDATE runs SET held = 0, pause_at_step = NULL WHERE held = 1 AND seq IN (
+                SELECT run FROM job_runs WHERE job = ?1 AND ordinal >= ?2 AND ordinal < ?3)",
+        )?
+        .execute(params![job, part.from, part.to])?;
+    Ok(())
+}
+
 /// Brings the unfinished runs of a part of a job in line with what their jobs want: run, hold or
 /// drop.
-fn settle(connection: &Connection, job: JobKey, part: Part) -> rusqlite::Result<Vec<StoppedRun>> {
+pub(super) fn settle(
+    connection: &Connection,
+    job: JobKey,
+    part: Part,
+) -> rusqlite::Result<Vec<StoppedRun>> {
     connection
         .prepare_cached(
             "WITH wants AS MATERIALIZED (
@@ -208,7 +229,7 @@ fn settle(connection: &Connection, job: JobKey, part: Part) -> rusqlite::Result<
                 WHERE mine.job = ?1 AND mine.ordinal >= ?2 AND mine.ordinal < ?3 GROUP BY mine.run)
              UPDATE runs SET state = CASE want WHEN 2 THEN 'queued' WHEN 1 THEN 'paused' ELSE 'cancelled' END
              FROM wants WHERE runs.seq = wants.run AND (
-                (want = 2 AND state = 'paused')
+                (want = 2 AND state = 'paused' AND held = 0)
                 OR (want = 1 AND state IN ('queued', 'running'))
                 OR (want = 0 AND state IN ('queued', 'running', 'paused')))
              RETURNING seq, id",

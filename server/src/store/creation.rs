@@ -43,6 +43,8 @@ pub struct JobRequest {
     pub sha256: String,
     /// The header `Idempotency-Key`, which makes a repeated request harmless.
     pub idempotency_key: Option<String>,
+    /// The body, where it is the job's document.
+    pub document: Option<String>,
 }
 
 impl JobRequest {
@@ -52,6 +54,15 @@ impl JobRequest {
         Self {
             sha256: digest.iter().map(|byte| format!("{byte:02x}")).collect(),
             idempotency_key,
+            document: None,
+        }
+    }
+
+    /// A request whose body is the job's document.
+    pub fn of_document(body: &[u8], idempotency_key: Option<String>) -> Self {
+        Self {
+            document: String::from_utf8(body.to_vec()).ok(),
+            ..Self::new(body, idempotency_key)
         }
     }
 }
@@ -167,15 +178,16 @@ impl Store {
         }
         let seq = transaction
             .prepare_cached(
-                "INSERT INTO jobs (name, request_sha256, idempotency_key, design, unfinished)
-                 VALUES (?1, ?2, ?3, ?4, 'creating') RETURNING seq",
+                "INSERT INTO jobs (name, request_sha256, idempotency_key, design, document, unfinished)
+                 VALUES (?1, ?2, ?3, ?4, ?5, 'creating') RETURNING seq",
             )?
             .query_row(
                 params![
                     job.name,
                     job.request.sha256,
                     job.request.idempotency_key,
-                    job.design
+                    job.design,
+                    job.request.document
                 ],
                 |row| row.get(0),
             )?;
@@ -263,6 +275,17 @@ fn admit(
             None => {}
         }
     }
+    check_room(connection, reserved, runs, limit)?;
+    Ok(None)
+}
+
+/// Whether so many more runs may be unfinished.
+pub(super) fn check_room(
+    connection: &Connection,
+    reserved: u64,
+    runs: u64,
+    limit: u64,
+) -> Result<(), CreateJobError> {
     let unfinished = reserved
         + from_sql(connection.query_row(
             "SELECT count(*) FROM runs WHERE state IN ('queued', 'running', 'paused')",
@@ -275,11 +298,11 @@ fn admit(
     if unfinished + runs > limit {
         return Err(CreateJobError::QueueFull { unfinished, limit });
     }
-    Ok(None)
+    Ok(())
 }
 
 /// Stores a run or finds it; returns its key. One that is found is left as it is.
-fn add_run(connection: &Connection, run: &NewRun) -> rusqlite::Result<RunKey> {
+pub(super) fn add_run(connection: &Connection, run: &NewRun) -> rusqlite::Result<RunKey> {
     connection
         .prepare_cached(
             "INSERT INTO runs

@@ -16,6 +16,8 @@ pub struct JobView {
     pub name: String,
     /// What its owner wants.
     pub intent: Intent,
+    /// Jobs of higher priority come first.
+    pub priority: i32,
     /// RFC 3339 in UTC.
     pub created_at: String,
     /// Its runs by state.
@@ -48,7 +50,7 @@ pub struct RunningRun {
 }
 
 /// Jobs that are there as a whole.
-pub(super) const COLUMNS: &str = "SELECT seq, name, intent, created_at FROM jobs
+pub(super) const COLUMNS: &str = "SELECT seq, name, intent, created_at, priority FROM jobs
     WHERE (unfinished IS NULL OR unfinished IN ('settling', 'retrying'))";
 
 impl Store {
@@ -97,18 +99,25 @@ impl Store {
     }
 }
 
-pub(super) type Head = (JobKey, String, String, String);
+pub(super) type Head = (JobKey, String, String, String, i32);
 
 pub(super) fn head(row: &Row<'_>) -> rusqlite::Result<Head> {
-    Ok((row.get(0)?, row.get(1)?, row.get(2)?, row.get(3)?))
+    Ok((
+        row.get(0)?,
+        row.get(1)?,
+        row.get(2)?,
+        row.get(3)?,
+        row.get(4)?,
+    ))
 }
 
 pub(super) fn view(connection: &Connection, head: Head) -> Result<JobView, StoreError> {
-    let (seq, name, intent, created_at) = head;
+    let (seq, name, intent, created_at, priority) = head;
     let mut view = JobView {
         seq,
         name,
         intent: Intent::from_name(&intent)?,
+        priority,
         created_at,
         counts: RunCounts::default(),
         robot_steps_done: 0,

@@ -17,6 +17,8 @@ pub struct ClaimedRun {
     pub id: String,
     /// The resolved spec, as JSON.
     pub spec: String,
+    /// The step of its arena at which it is to be held.
+    pub pause_at_step: Option<u64>,
 }
 
 /// A run whose state was changed from outside, or that was deleted.
@@ -161,13 +163,14 @@ impl Store {
             .connection()
             .prepare_cached(
                 "UPDATE runs SET state = 'running' WHERE seq = ?1 AND state = 'queued'
-                 RETURNING seq, id, spec",
+                 RETURNING seq, id, spec, pause_at_step",
             )?
             .query_row([run], |row| {
                 Ok(ClaimedRun {
                     seq: row.get(0)?,
                     id: row.get(1)?,
                     spec: row.get(2)?,
+                    pause_at_step: row.get::<_, Option<i64>>(3)?.map(from_sql),
                 })
             })
             .optional()?)

@@ -45,6 +45,8 @@ impl Intent {
             _ if ended == runs.total && runs.cancelled > 0 => State::Cancelled,
             _ if ended == runs.total => State::Done,
             Intent::Paused => State::Paused,
+            // What is left of it is held, run by run.
+            Intent::Active if runs.paused > 0 && runs.paused + ended == runs.total => State::Paused,
             Intent::Active if runs.running > 0 || ended > 0 => State::Running,
             Intent::Active => State::Queued,
         }

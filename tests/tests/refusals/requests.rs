@@ -1,12 +1,12 @@
 //! Requests that are wrong in form, or at the wrong time.
 
-use api::ProblemCode;
+use api::{ProblemCode, State};
 use serde_json::{Value, json};
 use tests::command::evswarm;
 use tests::http::Answer;
 use tests::refusals::row;
 use tests::server::Server;
-use tests::{job, small_spec};
+use tests::{job, small_spec, wait};
 
 #[test]
 fn wrong_requests_are_refused() {
@@ -128,6 +128,22 @@ fn what_contradicts_the_state_of_things_is_refused() {
     server
         .send("POST", &retry, &[], b"")
         .refused("trying again a job that has not ended");
+    wait::until("a worker", || {
+        (server.only_run(&running).state == State::Running).then_some(())
+    });
+    let step = |epochs: i32| {
+        server.post(
+            &format!("/v1/runs/{run}/step"),
+            &json!({ "epochs": epochs }),
+        )
+    };
+    step(3).refused("stepping a run that is not paused");
+    step(0).refused("a control that is not one whole number in its range");
+    let ask = |path: String| server.send("POST", &path, &[], b"");
+    let job_path = format!("/v1/jobs/{}", running.id);
+    assert_eq!(ask(format!("{job_path}/pause")).status, 200);
+    ask(format!("/v1/runs/{run}/resume")).refused("resuming a run whose job is paused");
+    assert_eq!(ask(format!("{job_path}/resume")).status, 200);
     let long_chapter = json!({
         "base": { "epochs": 1_000_000, "arena": "easy" },
         "matrix": { "controller.method": server.methods() }
@@ -146,6 +162,11 @@ fn what_contradicts_the_state_of_things_is_refused() {
     server
         .send("POST", &format!("/v1/jobs/{}/cancel", done.id), &[], b"")
         .refused("cancelling what has ended");
+    for what in ["resume", "retry"] {
+        server
+            .send("POST", &format!("/v1/jobs/{}/{what}", done.id), &[], b"")
+            .refused("resuming or trying again what is done");
+    }
     let run = server.only_run(&done).id;
     server
         .send("POST", &format!("/v1/runs/{run}/cancel"), &[], b"")

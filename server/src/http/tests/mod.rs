@@ -3,6 +3,7 @@
 
 mod access;
 mod contract;
+mod control;
 mod damage;
 mod jobs;
 mod objects;

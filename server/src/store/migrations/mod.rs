@@ -20,6 +20,7 @@ fn migrations() -> Migrations<'static> {
         plain(include_str!("5_step_cost.sql")),
         M::up_with_hook(include_str!("6_versions.sql"), seal_results),
         plain(include_str!("7_totals.sql")),
+        plain(include_str!("8_run_control.sql")),
     ])
 }
 

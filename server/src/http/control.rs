@@ -1,0 +1,213 @@
+//! Control of single runs (pause, resume, retry, step, extend, delete, their log), and of jobs what
+//! is beyond posting and stopping them: extend, priority, document.
+
+use api::{Job, ProblemCode, RunLog, RunLogEntry, RunSummary};
+use axum::body::Bytes;
+use axum::extract::State;
+use axum::http::header::{CONTENT_TYPE, LOCATION};
+use axum::http::{HeaderMap, StatusCode};
+use axum::response::{IntoResponse, Response};
+use axum::routing::{delete, get, post};
+use axum::{Json, Router};
+
+use super::extract::{FoundJob, FoundRun};
+use super::refusal::Refusal;
+use super::request::{parse, said_to_be_json};
+use super::{App, views};
+use crate::documents::{MAX_EPOCHS, one_number};
+use crate::scheduler::ControlError;
+use crate::store::{JobView, RunView};
+
+/// Most seeds that a job is extended by at once.
+const MAX_MORE_SEEDS: i64 = 10_000;
+/// Largest priority, and the smallest below 0.
+const MAX_PRIORITY: i64 = 1_000;
+
+pub fn routes() -> Router<App> {
+    Router::new()
+        .route("/jobs/{id}/extend", post(extend_job))
+        .route("/jobs/{id}/priority", post(priority))
+        .route("/jobs/{id}/document", get(document))
+        .route("/runs/{id}", delete(delete_run))
+        .route("/runs/{id}/pause", post(pause_run))
+        .route("/runs/{id}/resume", post(resume_run))
+        .route("/runs/{id}/retry", post(retry_run))
+        .route("/runs/{id}/step", post(step_run))
+        .route("/runs/{id}/extend", post(extend_run))
+        .route("/runs/{id}/log", get(log))
+}
+
+impl From<ControlError> for Refusal {
+    fn from(error: ControlError) -> Self {
+        let detail = error.to_string();
+        match error {
+            ControlError::Ended(..) => Self::new(ProblemCode::AlreadyEnded, detail),
+            ControlError::NotEnded(..) => Self::new(ProblemCode::NotEnded, detail),
+            ControlError::Running => Self::new(ProblemCode::NotPaused, detail),
+            ControlError::NotWanted(_) => Self::new(ProblemCode::HeldByJob, detail),
+            ControlError::NoDocument => Self::new(ProblemCode::DocumentNotKept, detail),
+            ControlError::Invalid(errors) => Self::fields(errors),
+            ControlError::NoRoom(error) => error.into(),
+            ControlError::Store(error) => error.into(),
+        }
+    }
+}
+
+/// `POST /v1/jobs/{id}/extend` by `{"seeds": 5}`.
+async fn extend_job(
+    State(app): State<App>,
+    FoundJob(job): FoundJob,
+    headers: HeaderMap,
+    body: Bytes,
+) -> Result<Json<Job>, Refusal> {
+    said_to_be_json(&headers)?;
+    on_job(app, job, move |app, job| {
+        let more = number(&body, "seeds", (1, MAX_MORE_SEEDS))?;
+        app.scheduler.extend_job(job, more as u64)?;
+        Ok::<_, Refusal>(())
+    })
+    .await
+}
+
+/// `POST /v1/jobs/{id}/priority` of `{"priority": 10}`.
+async fn priority(
+    State(app): State<App>,
+    FoundJob(job): FoundJob,
+    headers: HeaderMap,
+    body: Bytes,
+) -> Result<Json<Job>, Refusal> {
+    said_to_be_json(&headers)?;
+    on_job(app, job, move |app, job| {
+        let priority = number(&body, "priority", (-MAX_PRIORITY, MAX_PRIORITY))?;
+        app.scheduler.set_priority(job.seq, priority as i32)?;
+        Ok::<_, Refusal>(())
+    })
+    .await
+}
+
+/// `GET /v1/jobs/{id}/document`: the job as it was posted, with the seeds that it was extended by.
+async fn document(State(app): State<App>, FoundJob(job): FoundJob) -> Result<Response, Refusal> {
+    app.blocking(move |app| {
+        let document = app.store.document(job.seq)?;
+        let document = document.ok_or(ControlError::NoDocument)?;
+        Ok(([(CONTENT_TYPE, "application/json")], document).into_response())
+    })
+    .await
+}
+
+/// `POST /v1/runs/{id}/pause`: in every job that has it.
+async fn pause_run(
+    State(app): State<App>,
+    FoundRun(run): FoundRun,
+) -> Result<Json<RunSummary>, Refusal> {
+    on_run(app, run, |app, run| app.scheduler.pause_run(run)).await
+}
+
+/// `POST /v1/runs/{id}/resume`.
+async fn resume_run(
+    State(app): State<App>,
+    FoundRun(run): FoundRun,
+) -> Result<Json<RunSummary>, Refusal> {
+    on_run(app, run, |app, run| app.scheduler.resume_run(run)).await
+}
+
+/// `POST /v1/runs/{id}/retry`: a failed or cancelled run waits again, from its beginning.
+async fn retry_run(
+    State(app): State<App>,
+    FoundRun(run): FoundRun,
+) -> Result<Json<RunSummary>, Refusal> {
+    on_run(app, run, |app, run| app.scheduler.retry_run(run)).await
+}
+
+/// `POST /v1/runs/{id}/step` by `{"epochs": 3}`: a paused run does so many epochs and pauses.
+async fn step_run(
+    State(app): State<App>,
+    FoundRun(run): FoundRun,
+    headers: HeaderMap,
+    body: Bytes,
+) -> Result<Json<RunSummary>, Refusal> {
+    said_to_be_json(&headers)?;
+    on_run(app, run, move |app, run| {
+        let epochs = number(&body, "epochs", (1, MAX_EPOCHS as i64))?;
+        app.scheduler.step_run(run, epochs as u32)?;
+        Ok::<_, Refusal>(())
+    })
+    .await
+}
+
+/// `POST /v1/runs/{id}/extend` by `{"epochs": 500}`: a job with one run that does so many more.
+async fn extend_run(
+    State(app): State<App>,
+    FoundRun(run): FoundRun,
+    headers: HeaderMap,
+    body: Bytes,
+) -> Result<Response, Refusal> {
+    said_to_be_json(&headers)?;
+    app.blocking(move |app| {
+        let epochs = number(&body, "epochs", (1, MAX_EPOCHS as i64))?;
+        let seq = app.scheduler.extend_run(&run, epochs as u32)?;
+        let shown = views::job(&app.job(seq)?, &app.scheduler);
+        let location = [(LOCATION, format!("/v1/jobs/{}", shown.id))];
+        Ok((StatusCode::CREATED, location, Json(shown)).into_response())
+    })
+    .await
+}
+
+/// `DELETE /v1/runs/{id}`: whatever its state, in every job that has it.
+async fn delete_run(
+    State(app): State<App>,
+    FoundRun(run): FoundRun,
+) -> Result<StatusCode, Refusal> {
+    app.blocking(move |app| {
+        app.scheduler.delete_run(run.seq)?;
+        Ok(StatusCode::NO_CONTENT)
+    })
+    .await
+}
+
+/// `GET /v1/runs/{id}/log`: what was changed from outside.
+async fn log(State(app): State<App>, FoundRun(run): FoundRun) -> Result<Json<RunLog>, Refusal> {
+    app.blocking(move |app| {
+        let entries = app.store.run_log(run.seq)?.into_iter();
+        let items = entries.map(|entry| RunLogEntry {
+            at: entry.at,
+            robot_steps_done: entry.robot_steps_done,
+            what: entry.what,
+        });
+        Ok(Json(RunLog {
+            items: items.collect(),
+        }))
+    })
+    .await
+}
+
+/// The one field of a small document.
+fn number(body: &[u8], field: &str, range: (i64, i64)) -> Result<i64, Refusal> {
+    one_number(&parse(body)?, field, range).map_err(Refusal::fields)
+}
+
+/// Does something to a job and shows it as it is then.
+async fn on_job<E: Into<Refusal>>(
+    app: App,
+    job: JobView,
+    change: impl FnOnce(&App, &JobView) -> Result<(), E> + Send + 'static,
+) -> Result<Json<Job>, Refusal> {
+    app.blocking(move |app| {
+        change(app, &job).map_err(Into::into)?;
+        Ok(Json(views::job(&app.job(job.seq)?, &app.scheduler)))
+    })
+    .await
+}
+
+/// Does something to a run and shows it as it is then.
+async fn on_run<E: Into<Refusal>>(
+    app: App,
+    run: RunView,
+    change: impl FnOnce(&App, &RunView) -> Result<(), E> + Send + 'static,
+) -> Result<Json<RunSummary>, Refusal> {
+    app.blocking(move |app| {
+        change(app, &run).map_err(Into::into)?;
+        Ok(Json(views::run(&app.run(&run.id)?, &app.scheduler)))
+    })
+    .await
+}

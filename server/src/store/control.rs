@@ -1,0 +1,291 @@
+//! Control of single runs, priorities of jobs, jobs that grow, and the log of all that.
+
+use std::collections::BTreeSet;
+use std::sync::atomic::Ordering::Relaxed;
+
+use rusqlite::{Connection, OptionalExtension, params};
+
+use super::changes::{PART, Part, requeue, settle};
+use super::creation::{CreateJobError, NewJob, NewRun, add_run, check_room};
+use super::keys::{JobKey, RunKey};
+use super::runs::StoppedRun;
+use super::{Store, StoreError, from_sql, to_sql};
+
+/// Most entries kept of a run's log; the oldest go.
+const LOG_ENTRIES: u32 = 1_000;
+
+/// What was changed of a run, and when.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LogEntry {
+    /// RFC 3339 in UTC.
+    pub at: String,
+    /// Where the run stood; `None` while a worker held it.
+    pub robot_steps_done: Option<u64>,
+    /// In words.
+    pub what: String,
+}
+
+impl Store {
+    /// Holds a run that waits or runs, whatever its jobs want. Returns it, unless it is in another
+    /// state.
+    ///
+    /// # Errors
+    /// When the database fails; nothing is changed then.
+    pub fn hold(&self, run: RunKey, why: &str) -> Result<Option<StoppedRun>, StoreError> {
+        let mut connection = self.connection();
+        let transaction = connection.transaction()?;
+        let held = transaction
+            .prepare_cached(
+                "UPDATE runs SET state = 'paused', held = 1, pause_at_step = NULL
+                 WHERE seq = ?1 AND state IN ('queued', 'running') RETURNING seq, id",
+            )?
+            .query_row([run], stopped)
+            .optional()?;
+        if held.is_some() {
+            log(&transaction, run, why)?;
+        }
+        transaction.commit()?;
+        Ok(held)
+    }
+
+    /// Holds a run no more, so that it does what its jobs want; it is held again at a step of its
+    /// arena where one is given. Returns whether it waits now.
+    ///
+    /// # Errors
+    /// When the database fails; nothing is changed then.
+    pub fn release(
+        &self,
+        run: RunKey,
+        pause_at_step: Option<u64>,
+        why: &str,
+    ) -> Result<bool, StoreError> {
+        let mut connection = self.connection();
+        let transaction = connection.transaction()?;
+        transaction
+            .prepare_cached(
+                "UPDATE runs SET held = 0, pause_at_step = ?2
+                 WHERE seq = ?1 AND state IN ('queued', 'paused')",
+            )?
+            .execute(params![run, pause_at_step.map(to_sql)])?;
+        transaction
+            .prepare_cached(
+                "UPDATE runs SET state = 'queued' WHERE seq = ?1 AND state = 'paused' AND EXISTS (
+                    SELECT 1 FROM job_runs JOIN jobs ON jobs.seq = job
+                    WHERE run = ?1 AND intent = 'active')",
+            )?
+            .execute([run])?;
+        let waits: bool = transaction.query_row(
+            "SELECT state = 'queued' FROM runs WHERE seq = ?1",
+            [run],
+            |row| row.get(0),
+        )?;
+        if waits {
+            log(&transaction, run, why)?;
+            transaction.commit()?;
+        }
+        Ok(waits)
+    }
+
+    /// Makes a failed or cancelled run wait again, from its beginning. Returns whether it waits now:
+    /// not where it is in another state or no job wants it.
+    ///
+    /// # Errors
+    /// When the database fails; nothing is changed then.
+    pub fn retry_run(&self, run: RunKey) -> Result<bool, StoreError> {
+        let mut connection = self.connection();
+        let transaction = connection.transaction()?;
+        let changed = transaction
+            .prepare_cached(
+                "UPDATE runs SET state = 'queued', reason = NULL, phase = NULL, epochs_done = 0,
+                    robot_steps_done = 0, held = 0, pause_at_step = NULL
+                 WHERE seq = ?1 AND state IN ('failed', 'cancelled') AND EXISTS (
+                    SELECT 1 FROM job_runs JOIN jobs ON jobs.seq = job
+                    WHERE run = ?1 AND intent = 'active')",
+            )?
+            .execute([run])?;
+        if changed > 0 {
+            log(&transaction, run, "tried again")?;
+        }
+        transaction.commit()?;
+        Ok(changed > 0)
+    }
+
+    /// Deletes a run with its result, in every job that has it. Returns it if it was there.
+    ///
+    /// # Errors
+    /// When the database fails; nothing is changed then.
+    pub fn delete_run(&self, run: RunKey) -> Result<Option<StoppedRun>, StoreError> {
+        let mut connection = self.connection();
+        let transaction = connection.transaction()?;
+        transaction.execute("DELETE FROM job_runs WHERE run = ?1", [run])?;
+        let gone = transaction
+            .prepare_cached("DELETE FROM runs WHERE seq = ?1 RETURNING seq, id")?
+            .query_row([run], stopped)
+            .optional()?;
+        transaction.commit()?;
+        Ok(gone)
+    }
+
+    /// Robot-steps that a run had done when it was last let go of.
+    ///
+    /// # Errors
+    /// When the database fails or there is no such run.
+    pub fn robot_steps_done(&self, run: RunKey) -> Result<u64, StoreError> {
+        Ok(from_sql(self.connection().query_row(
+            "SELECT robot_steps_done FROM runs WHERE seq = ?1",
+            [run],
+            |row| row.get(0),
+        )?))
+    }
+
+    /// The jobs that have a run, oldest first.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn jobs_of(&self, run: RunKey) -> Result<Vec<JobKey>, StoreError> {
+        Ok(jobs_of(&self.reader(), run)?)
+    }
+
+    /// The newest entries of a run's log, oldest first.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn run_log(&self, run: RunKey) -> Result<Vec<LogEntry>, StoreError> {
+        Ok(self
+            .connection()
+            .prepare_cached(
+                "SELECT at, robot_steps_done, what FROM run_log WHERE run = ?1 ORDER BY seq",
+            )?
+            .query_map([run], |row| {
+                Ok(LogEntry {
+                    at: row.get(0)?,
+                    robot_steps_done: row.get::<_, Option<i64>>(1)?.map(from_sql),
+                    what: row.get(2)?,
+                })
+            })?
+            .collect::<Result<_, _>>()?)
+    }
+
+    /// Changes the priority of a job. Returns whether it is there.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn set_priority(&self, job: JobKey, priority: i32) -> Result<bool, StoreError> {
+        let changed = self
+            .connection()
+            .prepare_cached("UPDATE jobs SET priority = ?2 WHERE seq = ?1")?
+            .execute(params![job, priority])?;
+        Ok(changed > 0)
+    }
+
+    /// Every job whose priority is not 0.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn priorities(&self) -> Result<Vec<(JobKey, i32)>, StoreError> {
+        Ok(self
+            .connection()
+            .prepare_cached("SELECT seq, priority FROM jobs WHERE priority <> 0")?
+            .query_map([], |row| Ok((row.get(0)?, row.get(1)?)))?
+            .collect::<Result<_, _>>()?)
+    }
+
+    /// A job's document as it was posted, with what it was extended by; `None` where there is none.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn document(&self, job: JobKey) -> Result<Option<String>, StoreError> {
+        Ok(self
+            .connection()
+            .prepare_cached("SELECT document FROM jobs WHERE seq = ?1")?
+            .query_row([job], |row| row.get(0))
+            .optional()?
+            .flatten())
+    }
+
+    /// Adds those runs to a job that it does not have, behind its others, and replaces its document
+    /// and design. Returns how many there are.
+    ///
+    /// # Errors
+    /// `QueueFull` or `TooLarge`; or `Store` when the database fails: what was added till then stays,
+    /// and asking again adds the rest.
+    pub fn extend_job(&self, seq: JobKey, job: &NewJob, limit: u64) -> Result<u64, CreateJobError> {
+        let known: BTreeSet<String> = self
+            .reader()
+            .prepare("SELECT id FROM job_runs JOIN runs ON runs.seq = run WHERE job = ?1")?
+            .query_map([seq], |row| row.get(0))?
+            .collect::<Result<_, _>>()?;
+        let is_fresh = |run: &&NewRun| !known.contains(&run.id);
+        let fresh: Vec<&NewRun> = job.runs.iter().filter(is_fresh).collect();
+        let reserved = self.reserved_runs.load(Relaxed);
+        check_room(&self.reader(), reserved, fresh.len() as u64, limit)?;
+        for runs in fresh.chunks(PART) {
+            let mut connection = self.connection();
+            let transaction = connection.transaction()?;
+            add_part(&transaction, seq, runs)?;
+            transaction.commit()?;
+            drop(connection);
+            self.breathe();
+        }
+        self.connection()
+            .prepare_cached("UPDATE jobs SET document = ?2, design = ?3 WHERE seq = ?1")?
+            .execute(params![seq, job.request.document, job.design])?;
+        Ok(fresh.len() as u64)
+    }
+}
+
+/// Adds runs behind the others of a job; they wait if the job does.
+fn add_part(connection: &Connection, job: JobKey, runs: &[&NewRun]) -> rusqlite::Result<()> {
+    let from: i64 = connection.query_row(
+        "SELECT coalesce(max(ordinal) + 1, 0) FROM job_runs WHERE job = ?1",
+        [job],
+        |row| row.get(0),
+    )?;
+    for (ordinal, run) in (from..).zip(runs) {
+        let added = add_run(connection, run)?;
+        connection
+            .prepare_cached(
+                "INSERT INTO job_runs (job, ordinal, run, label) VALUES (?1, ?2, ?3, ?4)",
+            )?
+            .execute(params![job, ordinal, added, run.label])?;
+    }
+    let part = Part {
+        from,
+        to: from + to_sql(runs.len() as u64),
+    };
+    requeue(connection, job, part)?;
+    settle(connection, job, part)?;
+    Ok(())
+}
+
+/// Notes what was changed of a run, and where it stood.
+fn log(connection: &Connection, run: RunKey, what: &str) -> rusqlite::Result<()> {
+    connection
+        .prepare_cached(
+            "INSERT INTO run_log (run, robot_steps_done, what)
+             SELECT seq, CASE state WHEN 'running' THEN NULL ELSE robot_steps_done END, ?2
+             FROM runs WHERE seq = ?1",
+        )?
+        .execute(params![run, what])?;
+    connection
+        .prepare_cached(
+            "DELETE FROM run_log WHERE run = ?1 AND seq <= (
+                SELECT seq FROM run_log WHERE run = ?1 ORDER BY seq DESC LIMIT 1 OFFSET ?2)",
+        )?
+        .execute(params![run, LOG_ENTRIES])?;
+    Ok(())
+}
+
+fn jobs_of(connection: &Connection, run: RunKey) -> rusqlite::Result<Vec<JobKey>> {
+    connection
+        .prepare_cached("SELECT DISTINCT job FROM job_runs WHERE run = ?1 ORDER BY job")?
+        .query_map([run], |row| row.get(0))?
+        .collect()
+}
+
+fn stopped(row: &rusqlite::Row<'_>) -> rusqlite::Result<StoppedRun> {
+    Ok(StoppedRun {
+        seq: row.get(0)?,
+        id: row.get(1)?,
+    })
+}
