@@ -26,8 +26,8 @@ pub use objects::{ObjectSample, ObjectTrack, ObjectTracks};
 pub use problem::{FieldError, Problem};
 pub use problem_codes::ProblemCode;
 pub use result::{
-    ClusterCounts, Coverage, CurveRow, Fractions, Memory, MemoryPlan, Metrics, MetricsRow,
-    ModelAccuracy, ObjectResult, RunResult, Squares, SwarmMetrics,
+    ClusterCounts, Coverage, CurveRow, Fractions, Memory, MemoryPlan, MetricValues, Metrics,
+    MetricsRow, ModelAccuracy, ObjectResult, RunResult, Squares,
 };
 pub use spec::{
     ArenaRef, ControllerSpec, JobSpec, PlacementSpec, RecordSpec, RobotSpec, RunSpec, SCHEMA,

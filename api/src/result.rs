@@ -1,6 +1,8 @@
 //! What a run found: `result.json`, rows of `curve.csv`, coverage as JSON.
 
+use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
+use serde_json::Number;
 
 /// Coverage after an epoch: squares entered at least 1, 2, 5 and 10 times.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -89,29 +91,17 @@ pub struct Memory {
     pub robots_saturated: u32,
 }
 
-/// How the robots of a run covered their arena; formulas in `docs/metrics.md`.
+/// Swarm metrics by name, in the order of the table in `docs/metrics.md`, which has their units and
+/// formulas. Null where a metric is not defined; one that the program which ran had not is absent.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct SwarmMetrics {
-    /// Counted steps after which half of the reachable squares had been entered; null for never.
-    pub t50_steps: Option<u64>,
-    /// After which 90 % had.
-    pub t90_steps: Option<u64>,
-    /// After which 99 % had.
-    pub t99_steps: Option<u64>,
-    /// Mean over the counted steps of the share of reachable squares that had been entered.
-    pub mean_coverage: f64,
-    /// Entropy of the entries over the reachable squares as a share of the greatest, 0 to 1.
-    pub entropy: f64,
-    /// How much of what a robot visits another visits too, 0 to 1; null for one robot.
-    pub overlap: Option<f64>,
-    /// Robots among which the overlap was measured.
-    pub overlap_robots: u32,
-    /// Greatest share of the first entries that one robot has.
-    pub contribution_max: f64,
-    /// Robots that would have made equal contributions of the same entropy, 1 to N.
-    pub contributors: f64,
-    /// Way driven by all robots together, metres.
-    pub distance_m: f64,
+#[serde(transparent)]
+pub struct MetricValues(pub IndexMap<String, Option<Number>>);
+
+impl MetricValues {
+    /// A metric by name, where it is there and defined.
+    pub fn get(&self, name: &str) -> Option<f64> {
+        self.0.get(name)?.as_ref()?.as_f64()
+    }
 }
 
 /// The swarm after some counted steps.
@@ -125,16 +115,9 @@ pub struct MetricsRow {
     pub epoch: u32,
     /// Shares of the reachable squares that were entered at least 1, 2, 5 and 10 times.
     pub fractions: Fractions,
-    /// As in [`SwarmMetrics`].
-    pub entropy: f64,
-    /// As in [`SwarmMetrics`].
-    pub overlap: Option<f64>,
-    /// As in [`SwarmMetrics`].
-    pub contribution_max: f64,
-    /// Robot-steps that touched a wall or a robot.
-    pub collisions: u64,
-    /// As in [`SwarmMetrics`].
-    pub distance_m: f64,
+    /// The metrics that show over time.
+    #[serde(flatten)]
+    pub metrics: MetricValues,
 }
 
 /// The metrics of a run over time.
@@ -187,7 +170,7 @@ pub struct RunResult {
     pub fractions: Fractions,
     /// Swarm metrics at the end; null in results of versions that had none.
     #[serde(default)]
-    pub metrics: Option<SwarmMetrics>,
+    pub metrics: Option<MetricValues>,
     /// Robot-steps, uncounted phases included.
     pub steps: u64,
     /// Robot-steps of the counted epochs that touched a wall or a robot.

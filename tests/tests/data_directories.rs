@@ -92,6 +92,19 @@ fn assert_summary_holds(old: &str, new: &str, at: &str) {
     }
 }
 
+/// Whether metrics over time are the same to the byte, but for columns at the end that are new, and
+/// empty.
+fn assert_metrics_hold(old: &str, new: &str, at: &str) {
+    assert_eq!(old.lines().count(), new.lines().count(), "{at}");
+    let (head, new_head) = (old.lines().next().unwrap(), new.lines().next().unwrap());
+    let columns = |line: &str| line.split(',').count();
+    let empty = ",".repeat(columns(new_head) - columns(head));
+    assert!(new_head.starts_with(head), "{at}: {new_head}");
+    for (old, new) in old.lines().zip(new.lines()).skip(1) {
+        assert_eq!(format!("{old}{empty}"), new, "{at}");
+    }
+}
+
 fn expected(directory: &Path) -> Vec<(String, Vec<u8>)> {
     let entries = fs::read_dir(directory.join("expected")).unwrap();
     let mut files: Vec<_> = entries
@@ -139,6 +152,9 @@ fn assert_answers(server: &Server, directory: &Path) {
             }
             Err(_) if name.ends_with("-summary.csv") => {
                 assert_summary_holds(std::str::from_utf8(&old).unwrap(), answer.text(), &name);
+            }
+            Err(_) if name.ends_with("-metrics.csv") => {
+                assert_metrics_hold(std::str::from_utf8(&old).unwrap(), answer.text(), &name);
             }
             Err(_) => assert!(answer.body == old, "{name} has other bytes"),
         }

@@ -29,12 +29,12 @@ fn a_job_over_robots_is_summed_up() {
         assert_eq!((last.steps, last.fractions), (120_000, result.fractions));
         // The time to half of the squares lies between the rows before and after.
         let reached = metrics.rows.iter().find(|row| row.fractions.p1 >= 0.5);
-        match (swarm.t50_steps, reached) {
-            (Some(steps), Some(row)) => assert!(steps <= row.steps),
+        match (swarm.get("t50_steps"), reached) {
+            (Some(steps), Some(row)) => assert!(steps <= row.steps as f64),
             (steps, row) => assert_eq!((steps, row), (None, None)),
         }
         assert_eq!(
-            swarm.overlap.is_some(),
+            swarm.get("overlap").is_some(),
             !run.label.starts_with("robots+tile 1 ")
         );
     }

@@ -1,4 +1,4 @@
-//! Swarm metrics as JSON types and CSV text; formulas in `docs/metrics.md`.
+//! Swarm metrics as JSON types and CSV text: whatever the table in `swarm::metrics` has.
 
 #![allow(
     clippy::let_underscore_must_use,
@@ -7,27 +7,24 @@
 
 use std::fmt::Write;
 
-use api::{Metrics, MetricsRow, SCHEMA, SwarmMetrics};
+use api::{MetricValues, Metrics, MetricsRow, SCHEMA};
+use serde_json::Number;
+use swarm::metrics::{Value, over_time};
 use swarm::run::MetricsLog;
 
 use super::fractions::fractions;
 
-/// The metrics in `result.json`.
-pub fn swarm_metrics(metrics: &swarm::run::Metrics) -> SwarmMetrics {
-    let [t50_steps, t90_steps, t99_steps] = metrics.t_steps;
-    let last = metrics.last;
-    SwarmMetrics {
-        t50_steps,
-        t90_steps,
-        t99_steps,
-        mean_coverage: metrics.mean_coverage,
-        entropy: last.entropy,
-        overlap: last.overlap,
-        overlap_robots: metrics.overlap_robots,
-        contribution_max: last.contribution_max,
-        contributors: metrics.contributors,
-        distance_m: last.distance_m,
-    }
+/// Metrics by name.
+pub fn metric_values<'a>(values: impl Iterator<Item = (&'a str, Option<Value>)>) -> MetricValues {
+    let number = |value| match value {
+        Value::Count(count) => Some(Number::from(count)),
+        Value::Real(real) => Number::from_f64(real),
+    };
+    MetricValues(
+        values
+            .map(|(name, value)| (name.to_owned(), value.and_then(number)))
+            .collect(),
+    )
 }
 
 /// The metrics over time; `step_s` is the length of a control step.
@@ -37,11 +34,7 @@ pub fn metrics_json(log: &MetricsLog, step_s: f64) -> Metrics {
         time_s: row.steps as f64 * step_s,
         epoch: row.epoch,
         fractions: fractions(row.entered, log.reachable),
-        entropy: row.entropy,
-        overlap: row.overlap,
-        contribution_max: row.contribution_max,
-        collisions: row.collisions,
-        distance_m: row.distance_m,
+        metrics: metric_values(row.values.iter()),
     };
     Metrics {
         schema: SCHEMA,
@@ -50,27 +43,31 @@ pub fn metrics_json(log: &MetricsLog, step_s: f64) -> Metrics {
     }
 }
 
-/// `metrics.csv`: the same rows; an overlap that is not defined is empty.
+/// `metrics.csv`: the same rows; a metric that is not defined is empty.
 pub fn metrics_csv(log: &MetricsLog, step_s: f64) -> String {
-    let mut text = String::from(
-        "steps,time_s,epoch,fraction_1,fraction_2,fraction_5,fraction_10,entropy,overlap,\
-         contribution_max,collisions,distance_m\n",
-    );
-    for row in metrics_json(log, step_s).rows {
-        let api::Fractions { p1, p2, p5, p10 } = row.fractions;
-        let overlap = row.overlap.map_or(String::new(), |share| share.to_string());
+    let mut text = String::from("steps,time_s,epoch,fraction_1,fraction_2,fraction_5,fraction_10");
+    for name in over_time() {
+        text.push(',');
+        text.push_str(name);
+    }
+    text.push('\n');
+    for row in &log.rows {
+        let time_s = row.steps as f64 * step_s;
+        let api::Fractions { p1, p2, p5, p10 } = fractions(row.entered, log.reachable);
         // Writing to a string cannot fail.
-        let _ = writeln!(
+        let _ = write!(
             text,
-            "{},{},{},{p1},{p2},{p5},{p10},{},{overlap},{},{},{}",
-            row.steps,
-            row.time_s,
-            row.epoch,
-            row.entropy,
-            row.contribution_max,
-            row.collisions,
-            row.distance_m
+            "{},{time_s},{},{p1},{p2},{p5},{p10}",
+            row.steps, row.epoch
         );
+        for (_, value) in row.values.iter() {
+            let _ = match value {
+                Some(Value::Count(count)) => write!(text, ",{count}"),
+                Some(Value::Real(real)) => write!(text, ",{real}"),
+                None => write!(text, ","),
+            };
+        }
+        text.push('\n');
     }
     text
 }
@@ -105,6 +102,7 @@ pub fn robots_csv(log: &MetricsLog) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use swarm::metrics::RowValues;
     use swarm::run::{RobotMemory, RobotMetrics};
 
     #[test]
@@ -113,11 +111,13 @@ mod tests {
             steps: 200,
             epoch: 1,
             entered: [10, 5, 1, 0],
-            entropy: 0.5,
-            overlap: None,
-            contribution_max: 0.75,
-            collisions: 3,
-            distance_m: 1.5,
+            values: RowValues::from_names(|name| match name {
+                "entropy" => Some(Value::Real(0.5)),
+                "contribution_max" => Some(Value::Real(0.75)),
+                "collisions" => Some(Value::Count(3)),
+                "distance_m" => Some(Value::Real(1.5)),
+                _ => None,
+            }),
         };
         let robot = |first_entries, distance_m| RobotMetrics {
             first_entries,
@@ -134,10 +134,25 @@ mod tests {
             first_entry: Vec::new(),
         };
         let text = metrics_csv(&log, 0.0625);
+        let known = "200,12.5,1,0.5,0.25,0.05,0,0.5,,0.75,3,1.5";
+        // A metric that is not known is an empty cell.
+        let unknown = over_time().count() - 5;
         assert_eq!(
             text.lines().nth(1),
-            Some("200,12.5,1,0.5,0.25,0.05,0,0.5,,0.75,3,1.5")
+            Some(&*format!("{known}{}", ",".repeat(unknown)))
         );
+        let lengths = text.lines().map(|line| line.split(',').count());
+        assert!(lengths.clone().eq([7 + over_time().count(); 2]), "{text}");
+        let json = serde_json::to_string(&metrics_json(&log, 0.0625).rows[0]).unwrap();
+        assert!(
+            json.starts_with(
+                r#"{"steps":200,"time_s":12.5,"epoch":1,"fractions":{"p1":0.5,"p2":0.25,"p5":0.05,"p10":0.0},"entropy":0.5,"overlap":null,"contribution_max":0.75,"collisions":3,"distance_m":1.5"#
+            ),
+            "{json}"
+        );
+        let back: MetricsRow = serde_json::from_str(&json).unwrap();
+        assert_eq!(back.metrics.get("distance_m"), Some(1.5));
+        assert_eq!(serde_json::to_string(&back).unwrap(), json);
         assert_eq!(
             robots_csv(&log),
             "robot,first_entries,contribution,distance_m,learner_bytes,clusters_saturated\n\

@@ -15,7 +15,7 @@ use swarm::run::{CurveRow, ObjectOutcome, Outcome, counts_within};
 use swarm::world::ObjectPose;
 
 use super::fractions::fractions;
-use super::metrics::swarm_metrics;
+use super::metrics::metric_values;
 use super::palette::STEPS;
 
 /// `result.json`.
@@ -31,7 +31,7 @@ pub fn run_result(outcome: &Outcome) -> RunResult {
         p10,
         reachable: outcome.reachable,
         fractions: fractions(outcome.coverage_reachable, outcome.reachable),
-        metrics: Some(swarm_metrics(&outcome.metrics)),
+        metrics: Some(metric_values(outcome.metrics.iter().copied())),
         steps: outcome.robot_steps,
         collisions: outcome.collisions,
         clusters: ClusterCounts {

@@ -35,22 +35,11 @@ fn visits_and_mask() -> (Vec<u32>, Vec<bool>) {
 
 fn outcome() -> Outcome {
     Outcome {
-        metrics: swarm::run::Metrics {
-            last: swarm::run::MetricsRow {
-                steps: 2_000,
-                epoch: 1,
-                entered: [40, 30, 24, 8],
-                entropy: 0.5,
-                overlap: None,
-                contribution_max: 1.0,
-                collisions: 7,
-                distance_m: 12.5,
-            },
-            t_steps: [Some(100), None, None],
-            mean_coverage: 0.25,
-            overlap_robots: 0,
-            contributors: 1.0,
-        },
+        metrics: vec![
+            ("t50_steps", Some(swarm::metrics::Value::Count(100))),
+            ("t90_steps", None),
+            ("mean_coverage", Some(swarm::metrics::Value::Real(0.25))),
+        ],
         coverage: CurveRow {
             epoch: 2,
             p1: 46,

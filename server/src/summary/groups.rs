@@ -6,47 +6,23 @@ use super::{Combination, FinishedRun, values};
 use crate::documents::Design;
 use crate::statistics::{iqm, iqm_interval, mean_interval, summary as moments};
 
-/// The names of the measures, in their order.
-const MEASURES: [&str; 13] = [
-    "p1",
-    "p2",
-    "p5",
-    "p10",
-    "t50_steps",
-    "t90_steps",
-    "t99_steps",
-    "mean_coverage",
-    "entropy",
-    "overlap",
-    "collisions_per_robot_step",
-    "distance_m",
-    "cpu_ns_per_robot_step",
-];
-
 /// Shares of the reachable squares, beside the counts.
 const FRACTIONS: [&str; 4] = ["p1_fraction", "p2_fraction", "p5_fraction", "p10_fraction"];
 
-/// Every measure, in order.
+/// Every measure, in order: metrics, what they cost, and shares.
 pub fn known_measures() -> impl Iterator<Item = &'static str> {
-    MEASURES.into_iter().chain(FRACTIONS)
+    let metrics = swarm::metrics::pooled();
+    metrics.chain(["cpu_ns_per_robot_step"]).chain(FRACTIONS)
 }
 
 /// A measure of one run; `None` where it has none.
 pub fn measure(run: &FinishedRun, name: &str) -> Option<f64> {
     let result = &run.result;
-    let metrics = result.metrics.as_ref();
-    let steps = |steps: Option<u64>| steps.map(|steps| steps as f64);
     match name {
         "p1" => Some(f64::from(result.p1)),
         "p2" => Some(f64::from(result.p2)),
         "p5" => Some(f64::from(result.p5)),
         "p10" => Some(f64::from(result.p10)),
-        "t50_steps" => steps(metrics?.t50_steps),
-        "t90_steps" => steps(metrics?.t90_steps),
-        "t99_steps" => steps(metrics?.t99_steps),
-        "mean_coverage" => Some(metrics?.mean_coverage),
-        "entropy" => Some(metrics?.entropy),
-        "overlap" => metrics?.overlap,
         "p1_fraction" => Some(result.fractions.p1),
         "p2_fraction" => Some(result.fractions.p2),
         "p5_fraction" => Some(result.fractions.p5),
@@ -54,9 +30,8 @@ pub fn measure(run: &FinishedRun, name: &str) -> Option<f64> {
         "collisions_per_robot_step" => {
             (result.steps > 0).then(|| result.collisions as f64 / result.steps as f64)
         }
-        "distance_m" => Some(metrics?.distance_m),
         "cpu_ns_per_robot_step" => run.cpu_ns_per_robot_step,
-        _ => None,
+        metric => result.metrics.as_ref()?.get(metric),
     }
 }
 

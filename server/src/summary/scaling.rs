@@ -1,8 +1,8 @@
 //! How coverage time changes with the number of robots.
 
 use api::summary::{PowerLaw, Scaling, ScalingPoint, SpeedUp};
+use swarm::metrics::time_to_cover;
 use swarm::random::Stream;
-use swarm::run::time_to_cover;
 
 use super::groups::measured;
 use super::{Combination, FirstEntries, alike, axis_of, values};

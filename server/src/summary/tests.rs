@@ -1,7 +1,7 @@
 //! Tests of summaries against figures worked out by hand.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use api::{ClusterCounts, Fractions, SwarmMetrics};
+use api::{ClusterCounts, Fractions, MetricValues};
 use serde_json::json;
 
 use super::*;
@@ -19,11 +19,16 @@ pub fn finished(place: u64, seed: u64, t90: Option<u64>, mean_coverage: f64) -> 
             p10: 0,
             reachable: 100,
             fractions: Fractions::default(),
-            metrics: Some(SwarmMetrics {
-                t90_steps: t90,
-                mean_coverage,
-                ..SwarmMetrics::default()
-            }),
+            metrics: Some(MetricValues(
+                [
+                    ("t90_steps".to_owned(), t90.map(Into::into)),
+                    (
+                        "mean_coverage".to_owned(),
+                        serde_json::Number::from_f64(mean_coverage),
+                    ),
+                ]
+                .into(),
+            )),
             steps: 100,
             collisions: 25,
             clusters: ClusterCounts::default(),

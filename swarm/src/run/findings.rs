@@ -1,15 +1,14 @@
 //! What a run has found, at any step and at its end.
 
-use sha2::{Digest, Sha256};
-
 use super::coverage::counts_within;
 use super::machine::Run;
-use super::metrics::{Metrics, MetricsLog, RobotMetrics, mean_coverage, shares, times};
+use super::metrics::{MetricsLog, RobotMetrics};
 use super::outcome::{ObjectOutcome, Outcome};
 use super::robot_memory::RobotMemory;
 use super::tracks::{ObjectSample, Tracks, samples};
 use super::venue::TARGET;
 use crate::bodies::{Body, Objects};
+use crate::metrics::{Counted, at_end};
 
 impl Run {
     /// The metrics so far.
@@ -29,30 +28,6 @@ impl Run {
             first_entry: first_entry
                 .map(|(&first, &inside)| if inside { first } else { 0 })
                 .collect(),
-        }
-    }
-
-    /// The metrics of the run as it is.
-    fn final_metrics(&self) -> Metrics {
-        let reachable = self.reachable();
-        let state = self.venues[TARGET].world.state();
-        let first_entry = state.tally.first_entry().iter().zip(&reachable.mask);
-        let inside = first_entry.filter(|&(_, &inside)| inside);
-        let (contributors, _) = shares(state.bodies.iter().map(|body| body.first_entries));
-        Metrics {
-            last: self
-                .metrics
-                .last()
-                .copied()
-                .unwrap_or_else(|| self.metrics_now()),
-            t_steps: times(state.tally.first_entry(), &reachable.mask, reachable.count),
-            mean_coverage: mean_coverage(
-                inside.map(|(&first, _)| first),
-                reachable.count,
-                state.tally.steps(),
-            ),
-            overlap_robots: state.tally.sampled() as u32,
-            contributors,
         }
     }
 
@@ -101,7 +76,7 @@ impl Run {
         Some(Outcome {
             coverage: self.curve_row(self.spec.epochs),
             reachable: reachable.count,
-            metrics: self.final_metrics(),
+            metrics: at_end(&Counted::new(&self.venues[TARGET].world, reachable)),
             coverage_reachable: counts_within(&self.visits(), &reachable.mask),
             robot_steps: self.progress().robot_steps_done,
             collisions: self.venues[TARGET].world.state().collisions,
@@ -116,7 +91,7 @@ impl Run {
             memory_plan: self.memory.clone(),
             memory: self.memory(),
             objects: self.objects(),
-            state_sha256: hex(&Sha256::digest(self.snapshot())),
+            state_sha256: hex(&self.state_digest()),
         })
     }
 }

@@ -6,7 +6,7 @@ use arenas::{Arena, Reachable};
 
 use super::coverage::CurveRow;
 use super::learners::Learners;
-use super::metrics::{MetricsRow, has_row, next_within, row};
+use super::metrics::{MetricsRow, has_row, next_within};
 use super::outcome::Progress;
 use super::position::RunPosition;
 use super::robot_memory::RobotMemory;
@@ -212,10 +212,9 @@ impl Run {
         self.stage().is_some_and(|stage| stage.counts()) && self.venue() == TARGET
     }
 
-    pub(super) fn metrics_now(&self) -> MetricsRow {
-        let reachable = self.reachable();
+    fn metrics_now(&self) -> MetricsRow {
         let world = &self.venues[TARGET].world;
-        row(world, &reachable.mask, reachable.count, self.position.epoch)
+        MetricsRow::now(world, self.reachable(), self.position.epoch)
     }
 
     pub(super) fn time(&self) -> Time {

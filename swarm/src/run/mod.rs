@@ -9,6 +9,7 @@ mod model;
 mod outcome;
 mod position;
 mod robot_memory;
+mod saved_rows;
 mod snapshot;
 #[cfg(test)]
 mod tests;
@@ -17,7 +18,7 @@ mod venue;
 
 pub use coverage::{CurveRow, counts_within};
 pub use machine::Run;
-pub use metrics::{Metrics, MetricsLog, MetricsRow, RobotMetrics, time_to_cover};
+pub use metrics::{MetricsLog, MetricsRow, RobotMetrics};
 pub use outcome::{ObjectOutcome, Outcome, Progress, RestoreError};
 pub use robot_memory::RobotMemory;
 pub use tracks::{Moment, ObjectSample, TrackParts, Tracks};

@@ -3,11 +3,11 @@
 use serde::Serialize;
 
 use super::coverage::CurveRow;
-use super::metrics::Metrics;
 use super::robot_memory::RobotMemory;
 use crate::bodies::ObjectPose;
 use crate::caps::MemoryPlan;
 use crate::learn::accuracy::Divergence;
+use crate::metrics::Value;
 use crate::spec::FieldError;
 use crate::stages::Phase;
 
@@ -35,8 +35,8 @@ pub struct Outcome {
     pub reachable: u32,
     /// Of these, the squares entered at least 1, 2, 5 and 10 times.
     pub coverage_reachable: [u32; 4],
-    /// Swarm metrics at the end.
-    pub metrics: Metrics,
+    /// Names and values of the swarm metrics at the end.
+    pub metrics: Vec<(&'static str, Option<Value>)>,
     /// Robot-steps, uncounted phases included.
     pub robot_steps: u64,
     /// Robot-steps of the counted epochs that touched a wall or a robot.
@@ -58,7 +58,7 @@ pub struct Outcome {
     pub memory: Vec<RobotMemory>,
     /// What became of the target arena's movable objects, in their order.
     pub objects: Vec<ObjectOutcome>,
-    /// SHA-256 of the final snapshot, in hex.
+    /// SHA-256 of the final state, in hex.
     pub state_sha256: String,
 }
 

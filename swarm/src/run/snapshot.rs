@@ -1,6 +1,7 @@
 //! A run as bytes, at any step: everything that is not derived from the spec.
 //!
-//! Layout: magic and version, SHA-256 of the rest, then `postcard` of the saved state.
+//! Layout: the state, which is magic and version, SHA-256 of the rest, then `postcard`; behind it
+//! metrics that came later (`saved_rows.rs`), which are no part of the state's digest.
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -11,6 +12,7 @@ use super::machine::Run;
 use super::metrics::MetricsRow;
 use super::outcome::RestoreError;
 use super::position::RunPosition;
+use super::saved_rows::{Later, later};
 use super::tracks::Tracks;
 use crate::engine::EngineState;
 use crate::robot::RobotModel;
@@ -122,12 +124,19 @@ impl Run {
     /// Everything needed to go on, at any step, in the middle of an epoch too. Same state, same
     /// bytes.
     pub fn snapshot(&self) -> Vec<u8> {
-        save(self)
+        let mut bytes = state(self);
+        bytes.extend_from_slice(&later(&self.metrics));
+        bytes
+    }
+
+    /// SHA-256 of the state.
+    pub(super) fn state_digest(&self) -> [u8; 32] {
+        Sha256::digest(state(self)).into()
     }
 }
 
 /// The saved state of a run.
-fn save(run: &Run) -> Vec<u8> {
+fn state(run: &Run) -> Vec<u8> {
     let saved = SavedRef {
         spec: digest(&run.spec),
         position: run.position,
@@ -157,14 +166,16 @@ fn save(run: &Run) -> Vec<u8> {
 /// A run that goes on from saved state.
 fn restore(spec: ValidSpec, bytes: &[u8]) -> Result<Run, RestoreError> {
     let unreadable = |why: &str| RestoreError::Unreadable(why.into());
-    let rest = bytes
+    let damaged = || unreadable("its checksum does not match");
+    let (state, later) = Later::split(bytes).ok_or_else(damaged)?;
+    let rest = state
         .strip_prefix(MAGIC)
         .ok_or_else(|| unreadable("not of this version"))?;
     let (hash, state) = rest
         .split_at_checked(32)
         .ok_or_else(|| unreadable("cut short"))?;
     if Sha256::digest(state)[..] != *hash {
-        return Err(unreadable("its checksum does not match"));
+        return Err(damaged());
     }
     let saved: Saved = postcard::from_bytes(state).map_err(|e| unreadable(&e.to_string()))?;
     if saved.spec != digest(&spec) {
@@ -188,6 +199,7 @@ fn restore(spec: ValidSpec, bytes: &[u8]) -> Result<Run, RestoreError> {
     run.sensori_motor_clusters = saved.sensori_motor_clusters;
     run.curve = saved.curve;
     run.metrics = saved.metrics;
+    later.add_to(&mut run.metrics).ok_or_else(misfit)?;
     run.tracks = saved.tracks;
     run.learners = saved.learners;
     for (venue, (state, engine)) in run.venues.iter_mut().zip(saved.worlds) {

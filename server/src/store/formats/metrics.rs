@@ -2,6 +2,7 @@
 //! needs no further layout: it is absent from what older programs stored.
 
 use serde::{Deserialize, Serialize};
+use swarm::metrics::{RowValues, Value, over_time};
 use swarm::run::{MetricsLog, MetricsRow, RobotMemory, RobotMetrics};
 
 use super::{Damage, Kind, open, seal, whole};
@@ -65,39 +66,31 @@ pub(super) fn read(bytes: &[u8]) -> Result<MetricsLog, Damage> {
     }
 }
 
-const NAMES: [&str; 5] = [
-    "entropy",
-    "overlap",
-    "contribution_max",
-    "collisions",
-    "distance_m",
-];
-
+/// A column for each metric that has a value in some row.
 fn columns(rows: &[MetricsRow]) -> Vec<(String, Vec<Option<ValueV1>>)> {
-    let mut columns = NAMES.map(|name| (name.to_owned(), Vec::with_capacity(rows.len())));
-    for row in rows {
-        let MetricsRow {
-            steps: _,
-            epoch: _,
-            entered: _,
-            entropy,
-            overlap,
-            contribution_max,
-            collisions,
-            distance_m,
-        } = *row;
-        let values = [
-            Some(ValueV1::Real(entropy)),
-            overlap.map(ValueV1::Real),
-            Some(ValueV1::Real(contribution_max)),
-            Some(ValueV1::Count(collisions)),
-            Some(ValueV1::Real(distance_m)),
-        ];
-        for ((_, column), value) in columns.iter_mut().zip(values) {
-            column.push(value);
+    let column = |name: &'static str| {
+        let values = rows.iter().map(|row| row.values.get(name).map(ValueV1::of));
+        (name.to_owned(), values.collect())
+    };
+    let has_values =
+        |(_, values): &(String, Vec<Option<ValueV1>>)| values.iter().any(Option::is_some);
+    over_time().map(column).filter(has_values).collect()
+}
+
+impl ValueV1 {
+    fn of(value: Value) -> Self {
+        match value {
+            Value::Count(count) => Self::Count(count),
+            Value::Real(real) => Self::Real(real),
         }
     }
-    columns.into()
+
+    fn into_value(self) -> Value {
+        match self {
+            Self::Count(count) => Value::Count(count),
+            Self::Real(real) => Value::Real(real),
+        }
+    }
 }
 
 impl V1 {
@@ -118,11 +111,7 @@ impl V1 {
         }
         let value = |name: &str, place: usize| {
             let (_, values) = columns.iter().find(|(known, _)| known == name)?;
-            values[place]
-        };
-        let real = |name, place| match value(name, place) {
-            Some(ValueV1::Real(value)) => Some(value),
-            Some(ValueV1::Count(_)) | None => None,
+            values[place].map(ValueV1::into_value)
         };
         let row = |(place, row): (usize, RowV1)| {
             let RowV1 {
@@ -134,14 +123,7 @@ impl V1 {
                 steps,
                 epoch,
                 entered,
-                entropy: real("entropy", place).unwrap_or_default(),
-                overlap: real("overlap", place),
-                contribution_max: real("contribution_max", place).unwrap_or_default(),
-                collisions: match value("collisions", place) {
-                    Some(ValueV1::Count(count)) => count,
-                    Some(ValueV1::Real(_)) | None => 0,
-                },
-                distance_m: real("distance_m", place).unwrap_or_default(),
+                values: RowValues::from_names(|name| value(name, place)),
             }
         };
         Ok(MetricsLog {

@@ -1,5 +1,6 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 use swarm::bodies::ObjectPose;
+use swarm::metrics::{RowValues, Value};
 use swarm::run::{MetricsRow, ObjectSample, RobotMemory, RobotMetrics, TrackParts, Tracks};
 
 use super::*;
@@ -20,15 +21,18 @@ fn findings() -> Findings {
         offered: 2,
         halvings: 0,
     };
-    let row = MetricsRow {
-        steps: 500,
+    let row = |steps, overlap: Option<f64>| MetricsRow {
+        steps,
         epoch: 1,
         entered: [3, 2, 1, 0],
-        entropy: 0.5,
-        overlap: None,
-        contribution_max: 1.0,
-        collisions: 17,
-        distance_m: 1.5,
+        values: RowValues::from_names(|name| match name {
+            "entropy" => Some(Value::Real(0.5)),
+            "overlap" => overlap.map(Value::Real),
+            "contribution_max" => Some(Value::Real(1.0)),
+            "collisions" => Some(Value::Count(17)),
+            "distance_m" => Some(Value::Real(1.5)),
+            _ => None,
+        }),
     };
     Findings {
         curve: vec![CurveRow {
@@ -42,14 +46,7 @@ fn findings() -> Findings {
         dwell: vec![4, 5, 0, 70_000],
         metrics: MetricsLog {
             reachable: 4,
-            rows: vec![
-                row,
-                MetricsRow {
-                    steps: 1_000,
-                    overlap: Some(0.125),
-                    ..row
-                },
-            ],
+            rows: vec![row(500, None), row(1_000, Some(0.125))],
             robots: vec![RobotMetrics {
                 first_entries: 3,
                 distance_m: 1.5,
@@ -164,9 +161,27 @@ fn v0() -> Blobs {
         tracks,
     } = findings();
     let row = |row: &MetricsRow| {
+        let real = |name| match row.values.get(name) {
+            Some(Value::Real(value)) => Some(value),
+            _ => None,
+        };
+        let collisions = match row.values.get("collisions") {
+            Some(Value::Count(count)) => count,
+            other => panic!("{other:?}"),
+        };
         (
-            (row.steps, row.epoch, row.entered, row.entropy, row.overlap),
-            (row.contribution_max, row.collisions, row.distance_m),
+            (
+                row.steps,
+                row.epoch,
+                row.entered,
+                real("entropy").unwrap(),
+                real("overlap"),
+            ),
+            (
+                real("contribution_max").unwrap(),
+                collisions,
+                real("distance_m").unwrap(),
+            ),
         )
     };
     let robot = |robot: &RobotMetrics| {

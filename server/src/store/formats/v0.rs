@@ -2,6 +2,7 @@
 //! checkpoints of such a program.
 
 use serde::{Deserialize, Serialize};
+use swarm::metrics::{RowValues, Value};
 use swarm::run::{MetricsLog, MetricsRow};
 
 use super::metrics::RobotV1;
@@ -97,11 +98,14 @@ impl MetricsV0 {
                 steps,
                 epoch,
                 entered,
-                entropy,
-                overlap,
-                contribution_max,
-                collisions,
-                distance_m,
+                values: RowValues::from_names(|name| match name {
+                    "entropy" => Some(Value::Real(entropy)),
+                    "overlap" => overlap.map(Value::Real),
+                    "contribution_max" => Some(Value::Real(contribution_max)),
+                    "collisions" => Some(Value::Count(collisions)),
+                    "distance_m" => Some(Value::Real(distance_m)),
+                    _ => None,
+                }),
             }
         };
         MetricsLog {
