@@ -31,8 +31,13 @@ pub struct MethodListing {
     pub name: String,
     /// What it does.
     pub about: String,
+    /// Equation, section or paper.
+    pub source: String,
     /// Whether it takes a `train` block: `yes`, `no`, or on what it depends.
     pub trains: String,
+    /// Parameters that it alone has, beside `controller.method`; absent where it has none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub parameters: Vec<ParameterListing>,
 }
 
 /// A parameter in a list.
@@ -59,7 +64,7 @@ pub struct ControllerListing {
     pub schema: u32,
     /// Values of `controller.method`.
     pub methods: Vec<MethodListing>,
-    /// Parameters beside `controller.method`.
+    /// Parameters beside `controller.method` that methods have in common.
     pub parameters: Vec<ParameterListing>,
     /// Values of `robot.preset`.
     pub presets: Vec<String>,

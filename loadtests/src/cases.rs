@@ -202,6 +202,7 @@ fn run_spec(method: Method, arena: Arc<Arena>, robots: u64, engine: EngineKind) 
         controller: ControllerSpec {
             method,
             parameters: ControllerParameters::default(),
+            own: Default::default(),
             training: Some(Training {
                 arena: builtin("easy")?,
                 epochs: 20,

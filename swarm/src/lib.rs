@@ -49,6 +49,7 @@ pub mod engine;
 pub mod lanes;
 pub mod learn;
 pub mod memory;
+pub mod methods;
 pub mod metrics;
 pub mod parameters;
 pub mod placement;

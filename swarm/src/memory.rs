@@ -6,13 +6,14 @@
 //! moment: while k-means runs, or while both genomes and table are held.
 
 pub use crate::caps::MemoryPlan;
-use crate::controllers::{Babbler, Brownian, Codebook, Crawler, Explorer, Replayer, Watch};
+use crate::controllers::{Babbler, Codebook, Crawler, Explorer, Replayer, Watch};
 use crate::dimensions::SENSORI_MOTOR;
 use crate::learn::archive::Archive;
 use crate::learn::repository::Repository;
+use crate::methods::{Explores, Walkers, stages};
 use crate::sharing::told::told_transitions;
 use crate::spec::{ControllerParameters, Objective, RunSpec, Sharing};
-use crate::stages::{Phase, stages};
+use crate::stages::Phase;
 
 /// RAM of the e-puck (dsPIC30F6014A), bytes.
 pub const E_PUCK_BYTES: u64 = 8 * 1024;
@@ -109,24 +110,24 @@ fn most_bytes(plan: &MemoryPlan, spec: &RunSpec) -> u64 {
 }
 
 fn phase_bytes(phase: Phase, plan: &MemoryPlan, spec: &RunSpec) -> u64 {
-    let method = spec.controller.method;
+    let method = spec.controller.method.definition();
     let hears = matches!(spec.sharing, Sharing::Radio(_));
-    let objective = method.objective().unwrap_or(Objective::Curiosity);
+    let objective = method.objective.unwrap_or(Objective::Curiosity);
     match phase {
         Phase::Babbling => Babbler::bytes_for(plan),
         Phase::Evolution => Crawler::bytes_for(objective, plan, true, hears),
         Phase::Repository => Replayer::bytes_for(plan),
-        Phase::Exploration if method.is_evolved_baseline() => {
-            Crawler::bytes_for(objective, plan, false, hears)
-        }
-        Phase::Exploration if method.explores() => {
-            let told = match &spec.sharing {
-                Sharing::Radio(link) => told_transitions(link, plan).bytes(),
-                Sharing::None | Sharing::Arena => 0,
-            };
-            Explorer::bytes_for(plan) + told
-        }
-        Phase::Exploration => size_of::<Brownian>() as u64,
+        Phase::Exploration => match method.explores {
+            Explores::Walking => Walkers::robot_bytes_for(method.method),
+            Explores::Evolving => Crawler::bytes_for(objective, plan, false, hears),
+            Explores::ByTable => {
+                let told = match &spec.sharing {
+                    Sharing::Radio(link) => told_transitions(link, plan).bytes(),
+                    Sharing::None | Sharing::Arena => 0,
+                };
+                Explorer::bytes_for(plan) + told
+            }
+        },
         Phase::Done => 0,
     }
 }

@@ -20,6 +20,7 @@ fn spec(method: Method, memory_budget_bytes: Option<u64>, sharing: Sharing) -> R
         controller: ControllerSpec {
             method,
             parameters: ControllerParameters::default(),
+            own: Default::default(),
             training: Some(Training { arena, epochs: 200 }),
         },
         epochs: 1,

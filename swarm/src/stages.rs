@@ -1,9 +1,8 @@
-//! The stages that a method goes through, and how many epochs each takes.
+//! What a stage of a run is: its phase, how many epochs, where.
 
-use crate::caps::MemoryPlan;
 use crate::parameters::named_choice;
 use crate::random::Site;
-use crate::spec::{Method, RunSpec, StatesFrom};
+use crate::spec::RunSpec;
 
 named_choice! {
     /// What a run is doing.
@@ -44,6 +43,20 @@ pub(crate) struct Stage {
 }
 
 impl Stage {
+    /// Epochs of a phase; training is in the training arena, unless all of the run is on line.
+    pub fn of(spec: &RunSpec, phase: Phase, epochs: u32) -> Self {
+        let site = match phase {
+            Phase::Evolution | Phase::Repository if !spec.is_on_line() => Site::Training,
+            _ => Site::Target,
+        };
+        Self {
+            phase,
+            epochs,
+            site,
+            shows: false,
+        }
+    }
+
     /// Arena epochs that one epoch of the stage takes.
     fn arena_epochs(self) -> u64 {
         if self.shows { 2 } else { 1 }
@@ -52,50 +65,6 @@ impl Stage {
     /// Whether its epochs are those that the spec counts.
     pub fn counts(self) -> bool {
         self.phase == Phase::Exploration
-    }
-}
-
-/// The stages of a spec under a memory plan, in order.
-pub(crate) fn stages(spec: &RunSpec, plan: &MemoryPlan) -> Vec<Stage> {
-    let on_line = spec.is_on_line();
-    let stage = |phase: Phase, epochs| Stage {
-        phase,
-        epochs,
-        site: match phase {
-            Phase::Evolution | Phase::Repository if !on_line => Site::Training,
-            _ => Site::Target,
-        },
-        shows: false,
-    };
-    let p = &spec.controller.parameters;
-    let training = spec.controller.training.as_ref();
-    let training_epochs = training.map_or(0, |t| t.epochs);
-    let explore = stage(Phase::Exploration, spec.epochs);
-    match spec.controller.method {
-        Method::Brownian => vec![explore],
-        Method::Im => match p.states_from {
-            StatesFrom::Babbling => vec![stage(Phase::Babbling, p.babbling_epochs), explore],
-            StatesFrom::Phase1 => vec![stage(Phase::Evolution, training_epochs), explore],
-        },
-        method if method.is_evolved_baseline() => {
-            // Where its training arena is its target, visits count as it evolves.
-            let elsewhere = training.is_some_and(|t| *t.arena != *spec.arena);
-            let site = if elsewhere {
-                Site::Training
-            } else {
-                Site::Target
-            };
-            vec![Stage {
-                site,
-                shows: elsewhere,
-                ..explore
-            }]
-        }
-        _ => vec![
-            stage(Phase::Evolution, training_epochs),
-            stage(Phase::Repository, training_epochs.min(plan.genomes)),
-            explore,
-        ],
     }
 }
 

@@ -6,12 +6,13 @@ use arenas::Arena;
 
 use crate::caps::MemoryPlan;
 use crate::memory::BudgetTooSmall;
+use crate::methods::{Explores, stages};
 use crate::placement::enough_starts;
 use crate::spec::{
     EngineKind, FieldError, LEAST_BYTES_PER_STEP, MAX_EPOCHS, MAX_ROBOTS, MAX_STEPS_PER_EPOCH,
-    MOST_BYTES_PER_STEP, Method, Placement, RunSpec, Sharing,
+    MOST_BYTES_PER_STEP, Placement, RunSpec, Sharing,
 };
-use crate::stages::{Stage, arena_epochs, stages};
+use crate::stages::{Stage, arena_epochs};
 
 fn error(pointer: &str, message: impl Into<String>, allowed: impl Into<String>) -> FieldError {
     FieldError {
@@ -105,18 +106,16 @@ impl RunSpec {
         if let Some(training) = &self.controller.training {
             range("/controller/train/epochs", training.epochs, MAX_EPOCHS);
         }
-        if self
-            .controller
-            .method
-            .trains(self.controller.parameters.states_from)
-            && self.controller.training.is_none()
-        {
+        let controller = &self.controller;
+        let method = controller.method.definition();
+        if method.trains.with(controller.parameters.states_from) && controller.training.is_none() {
             errors.push(error(
                 "/controller/train",
-                format!("`{}` needs a training arena", self.controller.method.name()),
+                format!("`{}` needs a training arena", controller.method.name()),
                 "an object with arena and epochs",
             ));
         }
+        errors.extend((method.check)(self));
         self.check_sharing(&mut errors);
         errors.extend(budget.map(|too_small| self.budget_error(too_small)));
         self.check_robot(&mut errors);
@@ -129,14 +128,15 @@ impl RunSpec {
 
     fn check_sharing(&self, errors: &mut Vec<FieldError>) {
         let method = self.controller.method;
-        if self.sharing != Sharing::None && method == Method::Brownian {
+        let explores = method.definition().explores;
+        if self.sharing != Sharing::None && explores == Explores::Walking {
             errors.push(error(
                 "/sharing/mode",
-                "`brownian` learns nothing that could be shared",
+                format!("`{}` learns nothing that could be shared", method.name()),
                 "none, or a method that learns",
             ));
         }
-        if self.sharing == Sharing::Arena && method.is_evolved_baseline() {
+        if self.sharing == Sharing::Arena && explores == Explores::Evolving {
             errors.push(error(
                 "/sharing/mode",
                 format!("`{}` has no repository", method.name()),

@@ -63,6 +63,7 @@ fn spec(method: Method, robots: u32, memory_budget_bytes: Option<u64>) -> RunSpe
                 babbling_epochs: 3,
                 ..Default::default()
             },
+            own: Default::default(),
             training: Some(Training { arena, epochs: 5 }),
         },
         epochs: 2,

@@ -51,6 +51,7 @@ fn spec(method: Method, robots: u32) -> RunSpec {
                 babbling_epochs: 2,
                 ..Default::default()
             },
+            own: Default::default(),
             training: Some(Training {
                 arena: arena("easy"),
                 epochs: 2,

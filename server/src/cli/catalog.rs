@@ -160,6 +160,8 @@ pub fn controllers(json: bool) -> Result<(), Failure> {
             "  {:<14} {}; trains: {}",
             method.name, method.about, method.trains
         ));
+        let own = method.parameters.iter().map(parameter);
+        lines.extend(own.map(|line| format!("  {line}")));
     }
     lines.push("\nparameters (controller.*):".to_owned());
     lines.extend(listing.parameters.iter().map(parameter));

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde_json::Value;
+use swarm::methods::Trains;
 use swarm::parameters::{Parameter, ParameterError, Shown, Value as ParameterValue};
 use swarm::robot::{Preset, RobotModel, RobotParameters};
 use swarm::spec::{ControllerParameters, ControllerSpec, Method, Training};
@@ -24,7 +25,8 @@ pub fn controller(
 ) -> Option<(ControllerSpec, api::ControllerSpec)> {
     let known = ["method", "train"]
         .into_iter()
-        .chain(names(ControllerParameters::TABLE));
+        .chain(names(ControllerParameters::TABLE))
+        .chain(Method::ALL.iter().flat_map(|&method| own_names(method)));
     let object = Object::open(value, "/controller", known, errors)?;
     let method = object.choice(
         "method",
@@ -40,16 +42,21 @@ pub fn controller(
         |n, v| parameters.set(n, v),
         errors,
     );
+    let mut own = (method.definition().parameters)();
+    set_all(&object, own.table(), |n, v| own.set(n, v), errors);
+    refuse_others(&object, method, errors);
 
-    let (training, train) = if method.trains(parameters.states_from) {
+    let trains = method.definition().trains;
+    let (training, train) = if trains.with(parameters.states_from) {
         let (training, shown) = training(object.get("train"), arenas, errors)?;
         (Some(training), Some(shown))
     } else {
         if object.get("train").is_some() {
-            let reason = if method == Method::Im {
-                "im trains only with states_from \"phase-1\"".to_owned()
-            } else {
-                format!("{} has no training", method.name())
+            let reason = match trains {
+                Trains::Never | Trains::Always => format!("{} has no training", method.name()),
+                Trains::WithPhase1States => {
+                    format!("{} trains only {}", method.name(), trains.words())
+                }
             };
             errors.add(object.pointer("train"), reason, "no train field");
         }
@@ -58,16 +65,40 @@ pub fn controller(
     let shown = api::ControllerSpec {
         method: Some(method.name().to_owned()),
         train,
-        parameters: shown_values(parameters.shown()),
+        parameters: shown_values(parameters.shown().into_iter().chain(own.shown().to_vec())),
     };
     Some((
         ControllerSpec {
             method,
             parameters,
+            own,
             training,
         },
         shown,
     ))
+}
+
+fn own_names(method: Method) -> impl Iterator<Item = &'static str> {
+    names((method.definition().parameters)().table())
+}
+
+/// Refuses parameters that another method alone has.
+fn refuse_others(object: &Object<'_>, method: Method, errors: &mut Errors) {
+    let own: Vec<&str> = own_names(method).collect();
+    let others = Method::ALL.iter().filter(|&&other| other != method);
+    for (other, name) in others.flat_map(|&other| own_names(other).map(move |name| (other, name))) {
+        if object.get(name).is_some() && !own.contains(&name) {
+            let other = other.name();
+            errors.add(
+                object.pointer(name),
+                format!(
+                    "{} has no {name}: it is a parameter of {other}",
+                    method.name()
+                ),
+                format!("no {name}, or the method {other}"),
+            );
+        }
+    }
 }
 
 fn training(
@@ -166,7 +197,7 @@ pub fn defaults() -> BTreeMap<String, Value> {
     shown_values(ControllerParameters::default().shown())
 }
 
-fn shown_values(shown: Vec<(&'static str, Shown)>) -> BTreeMap<String, Value> {
+fn shown_values(shown: impl IntoIterator<Item = (&'static str, Shown)>) -> BTreeMap<String, Value> {
     shown
         .into_iter()
         .map(|(name, value)| (name.to_owned(), shown_value(value)))

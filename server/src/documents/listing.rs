@@ -4,7 +4,7 @@ use api::{ControllerListing, MethodListing, ParameterListing, SCHEMA};
 use serde_json::Value;
 use swarm::parameters::{Parameter, Shown};
 use swarm::robot::{Preset, RobotParameters};
-use swarm::spec::{ControllerParameters, Method, StatesFrom};
+use swarm::spec::{ControllerParameters, Method};
 
 /// Every method, preset and parameter.
 pub fn controllers() -> ControllerListing {
@@ -24,34 +24,14 @@ pub fn controllers() -> ControllerListing {
 }
 
 fn listed(method: Method) -> MethodListing {
-    let trains = match StatesFrom::ALL
-        .iter()
-        .filter(|from| method.trains(**from))
-        .count()
-    {
-        0 => "no",
-        n if n == StatesFrom::ALL.len() => "yes",
-        _ => "with states_from \"phase-1\"",
-    };
+    let definition = method.definition();
+    let own = (definition.parameters)();
     MethodListing {
         name: method.name().to_owned(),
-        about: about(method).to_owned(),
-        trains: trains.to_owned(),
-    }
-}
-
-fn about(method: Method) -> &'static str {
-    match method {
-        Method::Brownian => "Each command uniform in the action space",
-        Method::Curiosity => "Evolved for the entropy of sensori-motor data (eq. 4.5)",
-        Method::CuriosityA => "Evolved for the entropy of actuator data (eq. 4.5)",
-        Method::Discovery => "Evolved for the differential entropy of sensori-motor data (eq. 4.6)",
-        Method::DiscoveryA => "Evolved for the differential entropy of actuator data (eq. 4.6)",
-        Method::Im => "Intrinsic motivation: the phase-3 controller with an empty repository",
-        Method::EvIterC => "Ev-ITER after a phase 1 of curiosity",
-        Method::EvIterD => "Ev-ITER after a phase 1 of discovery",
-        Method::EvIterCa => "Ev-ITER after a phase 1 of curiosity-a",
-        Method::EvIterDa => "Ev-ITER after a phase 1 of discovery-a",
+        about: definition.about.to_owned(),
+        source: definition.source.to_owned(),
+        trains: definition.trains.words().to_owned(),
+        parameters: parameters(own.table(), own.shown().to_vec()),
     }
 }
 

@@ -1,5 +1,6 @@
 //! Which parameters a method has: the others stand in its spec with no effect.
 
+use swarm::methods::{Explores, Trains};
 use swarm::spec::{Method, StatesFrom};
 
 /// Of the (1+1)-ES.
@@ -27,16 +28,20 @@ const EXPLORATION: [&str; 12] = [
     "action_hold_steps",
 ];
 
-/// Whether a run of the method depends on this parameter of the learner.
+/// Whether a run of the method depends on this parameter, its own or one in common.
 pub fn has_parameter(method: Method, states_from: StatesFrom, name: &str) -> bool {
-    let evolves = method.trains(states_from);
+    let definition = method.definition();
+    let own = (definition.parameters)();
+    let by_table = definition.explores == Explores::ByTable;
+    let chooses = definition.trains == Trains::WithPhase1States;
     match name {
-        _ if method == Method::Brownian => false,
-        "states_from" => method == Method::Im,
-        "babbling_epochs" => method == Method::Im && states_from == StatesFrom::Babbling,
-        "replay_genomes" => method.explores() && method != Method::Im,
-        _ if EVOLUTION.contains(&name) => evolves,
-        _ if EXPLORATION.contains(&name) => method.explores(),
+        _ if own.table().iter().any(|parameter| parameter.name == name) => true,
+        _ if definition.explores == Explores::Walking => false,
+        "states_from" => chooses,
+        "babbling_epochs" => chooses && states_from == StatesFrom::Babbling,
+        "replay_genomes" => by_table && definition.trains == Trains::Always,
+        _ if EVOLUTION.contains(&name) => definition.trains.with(states_from),
+        _ if EXPLORATION.contains(&name) => by_table,
         _ => true,
     }
 }

@@ -37,7 +37,8 @@ pub use resolve::resolve;
 pub use resolved::ResolvedRun;
 pub use template_list::templates;
 pub use templates::{
-    CHAPTER_5, ENGINE_METHODS, SHORT_PHASE_ARENA, SHORT_PHASE_METHOD, SHORT_PHASES, chapter_5,
+    CHAPTER_5, CHAPTER_5_METHODS, ENGINE_METHODS, SHORT_PHASE_ARENA, SHORT_PHASE_METHOD,
+    SHORT_PHASES, chapter_5,
 };
 
 #[cfg(test)]

@@ -448,3 +448,35 @@ fn objects_are_read_shown_and_checked() {
         "out of range",
     );
 }
+
+#[test]
+fn a_method_s_own_parameters_are_its_alone() {
+    let common = resolved(json!({ "controller": { "method": "brownian" } }));
+    let common = common.canonical().controller.unwrap().parameters.len();
+    for &method in Method::ALL {
+        let shown = resolved(json!({ "controller": { "method": method.name() } }));
+        let shown = shown.canonical().controller.unwrap().parameters;
+        let own = (method.definition().parameters)();
+        assert_eq!(shown.len(), common + own.table().len(), "{method:?}");
+        for parameter in own.table() {
+            let name = parameter.name;
+            let with = |method: Method| json!({ "controller": { "method": method.name(), name: shown[name].clone() } });
+            resolved(with(method));
+            let pointer = format!("/controller/{name}");
+            for &other in Method::ALL.iter().filter(|&&other| other != method) {
+                let reason = format!("it is a parameter of {}", method.name());
+                check(with(other), &pointer, &reason);
+                // In a matrix too.
+                let path = format!("controller.{name}");
+                let job = json!({
+                    "base": { "controller": { "method": other.name() } },
+                    "matrix": { path.clone(): [shown[name].clone()] },
+                });
+                let place = format!("/matrix/{path}/0");
+                refused(expand(&job, &BuiltinArenas).map(drop), &place, &reason);
+            }
+            let wrong = json!({ "controller": { "method": method.name(), name: [] } });
+            check(wrong, &pointer, "must be");
+        }
+    }
+}

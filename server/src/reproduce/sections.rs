@@ -5,6 +5,7 @@ use super::document::{Block, Table};
 use super::plan::Plan;
 use super::published::{Published, published};
 use super::results::{Finding, Findings};
+use crate::documents::CHAPTER_5_METHODS;
 use crate::statistics::{Summary, summary};
 
 /// Epochs and runs of the thesis.
@@ -27,7 +28,7 @@ pub fn opening(plan: &Plan, claims: &Claims) -> Vec<Block> {
              entered at least 1, 2, 5 and 10 times over the whole run. The thesis prints its \
              arenas as pictures only; those here are drawn to its description, so that order and \
              size of differences are to be compared, not absolute counts.",
-            swarm::spec::Method::NAMES.len(),
+            CHAPTER_5_METHODS.len(),
             settings.arenas.join(", "),
             settings.steps_per_epoch
         )),

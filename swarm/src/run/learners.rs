@@ -9,6 +9,7 @@ use crate::controllers::{
 };
 use crate::learn::archive::Archive;
 use crate::learn::repository::Repository;
+use crate::methods::{Explores, Walkers};
 use crate::random::{Purpose, Site, Stream, stream_key};
 use crate::sharing::pool::pool;
 use crate::sharing::radio::{Radio, RadioControllers};
@@ -29,6 +30,8 @@ pub(super) enum Learners {
     Explorers(Vec<Explorer>),
     /// Explorers with one table.
     SharedTable(Box<SharedTableExplorers>),
+    /// Robots that learn nothing, but for `Brownian`, which saved state has above.
+    Walkers(Walkers),
 }
 
 /// A type without values.
@@ -82,7 +85,7 @@ impl Maker<'_> {
     }
 
     fn crawlers(&self, watching: bool) -> Vec<Crawler> {
-        let objective = self.spec.controller.method.objective();
+        let objective = self.spec.controller.method.definition().objective;
         let objective = objective.unwrap_or(Objective::Curiosity);
         let hears = matches!(self.spec.sharing, Sharing::Radio(_));
         let crawler = |robot: Streams| {
@@ -140,9 +143,12 @@ impl Maker<'_> {
         }
     }
 
-    fn brownian(&self) -> Vec<Brownian> {
-        let robot = |robot: Streams| Brownian::new(robot.key(Site::Target, Purpose::Action));
-        self.robots().map(robot).collect()
+    fn walkers(&self) -> Learners {
+        let key = |robot: Streams| robot.key(Site::Target, Purpose::Action);
+        match Walkers::new(self.spec, self.robots().map(key)) {
+            Walkers::Brownian(controllers) => Learners::Brownian(controllers),
+            walkers => Learners::Walkers(walkers),
+        }
     }
 
     fn replayers(&self, crawlers: Vec<Crawler>) -> Vec<Replayer> {
@@ -193,13 +199,14 @@ impl Learners {
             parameters: plan.applied_to(&spec.controller.parameters),
         };
         let method = spec.controller.method;
+        let explores = method.definition().explores;
         match (stage.phase, before) {
             (Phase::Babbling, None) => Learners::Babblers(make.babblers()),
             (Phase::Evolution, None) => Learners::Crawlers(make.crawlers(true)),
-            (Phase::Exploration, None) if method.is_evolved_baseline() => {
+            (Phase::Exploration, None) if explores == Explores::Evolving => {
                 Learners::Crawlers(make.crawlers(false))
             }
-            (Phase::Exploration, None) if !method.explores() => Learners::Brownian(make.brownian()),
+            (Phase::Exploration, None) if explores == Explores::Walking => make.walkers(),
             (Phase::Repository, Some(Learners::Crawlers(crawlers))) => {
                 Learners::Replayers(make.replayers(crawlers))
             }
@@ -229,15 +236,18 @@ impl Learners {
     /// Whether saved learners are what a stage asks for, one a robot.
     pub fn suit(&self, stage: &Stage, spec: &RunSpec) -> bool {
         let method = spec.controller.method;
+        let explores = method.definition().explores;
         let shared = spec.sharing == Sharing::Arena;
+        let table = explores == Explores::ByTable;
         let kind = match (stage.phase, self) {
             (Phase::Babbling, Learners::Babblers(_)) => true,
             (Phase::Evolution, Learners::Crawlers(robots)) => robots.iter().all(Crawler::watches),
             (Phase::Repository, Learners::Replayers(_)) => true,
-            (Phase::Exploration, Learners::Crawlers(_)) => method.is_evolved_baseline(),
+            (Phase::Exploration, Learners::Crawlers(_)) => explores == Explores::Evolving,
             (Phase::Exploration, Learners::Brownian(_)) => method == Method::Brownian,
-            (Phase::Exploration, Learners::Explorers(_)) => method.explores() && !shared,
-            (Phase::Exploration, Learners::SharedTable(_)) => method.explores() && shared,
+            (Phase::Exploration, Learners::Walkers(walkers)) => walkers.are_of(method),
+            (Phase::Exploration, Learners::Explorers(_)) => table && !shared,
+            (Phase::Exploration, Learners::SharedTable(_)) => table && shared,
             _ => false,
         };
         kind && self.robots() == spec.robots as usize
@@ -259,6 +269,7 @@ impl Learners {
             }
             (Learners::Explorers(controllers), None) => world.advance(controllers, steps),
             (Learners::SharedTable(robots), _) => world.advance_all(&mut **robots, steps),
+            (Learners::Walkers(walkers), _) => walkers.advance(world, steps),
         }
     }
 
@@ -276,6 +287,7 @@ impl Learners {
                 }
             }
             Learners::SharedTable(robots) => robots.begin_trajectory(&state.bodies),
+            Learners::Walkers(walkers) => walkers.begin_epoch(&state.bodies),
             _ => {}
         }
     }
@@ -357,6 +369,7 @@ impl Learners {
             Learners::Replayers(controllers) => controllers.len(),
             Learners::Explorers(controllers) => controllers.len(),
             Learners::SharedTable(robots) => robots.robots(),
+            Learners::Walkers(walkers) => walkers.len(),
         }
     }
 
@@ -370,6 +383,7 @@ impl Learners {
             Learners::Replayers(controllers) => controllers.iter().map(Replayer::bytes).sum(),
             Learners::Explorers(controllers) => controllers.iter().map(Explorer::bytes).sum(),
             Learners::SharedTable(robots) => robots.bytes(),
+            Learners::Walkers(walkers) => walkers.robot_bytes() * walkers.len() as u64,
         }
     }
 
@@ -409,6 +423,7 @@ impl Learners {
                 .iter()
                 .map(|saturated| robot(robots.robot_bytes(), *saturated))
                 .collect(),
+            Learners::Walkers(walkers) => vec![robot(walkers.robot_bytes(), 0); walkers.len()],
         }
     }
 }

@@ -30,7 +30,7 @@ fn seal(columns: &[Column]) -> Vec<u8> {
         return Vec::new();
     }
     // Serializing plain data into memory has no way to fail: no sequence is of unknown length.
-    #[allow(clippy::expect_used)]
+    #[allow(clippy::expect_used, reason = "see above")]
     let mut bytes = postcard::to_stdvec(columns).expect("plain data serializes");
     let (digest, length) = (Sha256::digest(&bytes), bytes.len() as u64);
     bytes.extend_from_slice(&digest);

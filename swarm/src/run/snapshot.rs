@@ -70,6 +70,7 @@ fn digest(spec: &RunSpec) -> [u8; 32] {
     let ControllerSpec {
         method,
         parameters,
+        own,
         training,
     } = controller;
     let (training_arena, training_epochs) = match training {
@@ -104,8 +105,12 @@ fn digest(spec: &RunSpec) -> [u8; 32] {
             robot,
         )
     );
+    // Only methods that have parameters of their own have a part for them.
+    let own = Some(own.shown()).filter(|own| !own.is_empty());
+    let own = own.map(|own| format!("{own:?}").into_bytes());
+    let parts = [arena.content_key(), training_arena, figures.into_bytes()];
     let mut hash = Sha256::new();
-    for part in [arena.content_key(), training_arena, figures.into_bytes()] {
+    for part in parts.into_iter().chain(own) {
         hash.update((part.len() as u64).to_le_bytes());
         hash.update(part);
     }

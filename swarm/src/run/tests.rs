@@ -32,6 +32,7 @@ fn spec(method: Method) -> RunSpec {
                 babbling_epochs: 2,
                 ..Default::default()
             },
+            own: Default::default(),
             training: Some(Training {
                 arena: arena("easy"),
                 epochs: 3,

@@ -1,6 +1,6 @@
-//! The methods by which robots are controlled, and what their evolution is for.
+//! The methods by which robots are controlled (what each is: `methods/`), and what their evolution is
+//! for.
 
-use super::controller::StatesFrom;
 use crate::parameters::named_choice;
 
 named_choice! {
@@ -48,38 +48,5 @@ impl Objective {
     #[inline(always)]
     pub fn over_sensori_motor(self) -> bool {
         matches!(self, Objective::Curiosity | Objective::Discovery)
-    }
-}
-
-impl Method {
-    /// What its phase 1, or the baseline itself, evolves for; `None` where nothing evolves.
-    pub fn objective(self) -> Option<Objective> {
-        match self {
-            Method::Curiosity | Method::EvIterC => Some(Objective::Curiosity),
-            Method::CuriosityA | Method::EvIterCa => Some(Objective::CuriosityA),
-            Method::Discovery | Method::EvIterD => Some(Objective::Discovery),
-            Method::DiscoveryA | Method::EvIterDa => Some(Objective::DiscoveryA),
-            Method::Brownian | Method::Im => None,
-        }
-    }
-
-    /// Whether it trains in an arena of its own before, or while, it explores.
-    pub fn trains(self, states_from: StatesFrom) -> bool {
-        match self {
-            Method::Brownian => false,
-            Method::Im => states_from == StatesFrom::Phase1,
-            _ => true,
-        }
-    }
-
-    /// Whether it ends with the phase-3 controller.
-    pub fn explores(self) -> bool {
-        self != Method::Brownian && !self.is_evolved_baseline()
-    }
-
-    /// Whether it is one of the evolved baselines, which evolve all along.
-    pub fn is_evolved_baseline(self) -> bool {
-        use Method::{Curiosity, CuriosityA, Discovery, DiscoveryA};
-        matches!(self, Curiosity | CuriosityA | Discovery | DiscoveryA)
     }
 }

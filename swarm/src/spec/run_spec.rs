@@ -6,6 +6,7 @@ use arenas::Arena;
 
 use super::controller::ControllerParameters;
 use super::method::Method;
+use super::method_parameters::MethodParameters;
 use super::sharing::Sharing;
 use crate::parameters::named_choice;
 use crate::robot::RobotModel;
@@ -88,8 +89,10 @@ pub struct Training {
 pub struct ControllerSpec {
     /// The method.
     pub method: Method,
-    /// Its parameters.
+    /// Parameters that methods have in common.
     pub parameters: ControllerParameters,
+    /// Those that the method alone has.
+    pub own: MethodParameters,
     /// Where it trains; `None` for methods without training.
     pub training: Option<Training>,
 }
@@ -132,6 +135,7 @@ impl RunSpec {
             controller: ControllerSpec {
                 method,
                 parameters: ControllerParameters::default(),
+                own: MethodParameters::default(),
                 training: None,
             },
             epochs: 2_000,

@@ -8,7 +8,7 @@ async fn a_job_of_chapter_5_has_a_report() {
     let every_method = |epochs: u32| {
         json!({
             "base": { "epochs": epochs, "steps_per_epoch": 20, "arena": "easy" },
-            "matrix": { "controller.method": swarm::spec::Method::NAMES },
+            "matrix": { "controller.method": crate::documents::CHAPTER_5_METHODS },
             "seeds": { "first": 1, "count": 1 }
         })
     };

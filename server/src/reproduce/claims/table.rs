@@ -4,13 +4,13 @@ use anyhow::Context;
 
 use super::claim::{Claim, Level, Test, Verdict};
 use crate::documents::{
-    ArenaSource, BuiltinArenas, SHORT_PHASE_ARENA, SHORT_PHASE_METHOD, SHORT_PHASES,
+    ArenaSource, BuiltinArenas, CHAPTER_5_METHODS, SHORT_PHASE_ARENA, SHORT_PHASE_METHOD,
+    SHORT_PHASES,
 };
 use crate::reproduce::far_chamber::{DEPTH_M, far_chamber};
 use crate::reproduce::plan::{Settings, short_phase_label};
 use crate::reproduce::results::{Finding, Findings};
 use crate::statistics::{Comparison, compare, sign_test};
-use swarm::spec::Method;
 
 /// Margin of equivalence of claim 7, as a share of the reachable squares.
 const MARGIN: f64 = 0.05;
@@ -194,9 +194,8 @@ impl Table<'_> {
 
     /// A method against every other of the template, smaller p1 and p10 expected, on each arena.
     fn least(&self, method: &str) -> Vec<Test> {
-        let others: Vec<&str> = Method::NAMES
-            .iter()
-            .copied()
+        let others: Vec<&str> = CHAPTER_5_METHODS
+            .into_iter()
             .filter(|&other| other != method)
             .collect();
         self.beat(&others, &[method])

@@ -32,8 +32,10 @@ fn as_in_the_thesis(settings: &Settings) -> Findings {
     };
     let mut runs = Vec::new();
     for (place, arena) in settings.arenas.iter().enumerate() {
-        let methods = Method::NAMES.iter().copied();
-        for method in methods.chain(["ev-iter-c:20", "ev-iter-c:50"]) {
+        for method in CHAPTER_5_METHODS
+            .into_iter()
+            .chain(["ev-iter-c:20", "ev-iter-c:50"])
+        {
             for seed in 1..=settings.seeds {
                 let p1 = base(method, place) + 3 * (seed * 7 % 15);
                 let kept = if method.starts_with("ev-iter") { 9 } else { 6 };
