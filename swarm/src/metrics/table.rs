@@ -155,6 +155,13 @@ pub const METRICS: &[Metric] = &[
         shown: &[OverTime, AtEnd, Summary],
         source: From(|now| Some(Real(now.bodies().map(|body| body.distance_m).sum()))),
     },
+    Metric {
+        name: "mean_squared_displacement_m2",
+        unit: "m2",
+        formula: r"mean over the robots of the squared straight distance from the start pose: sum over i of \|x_i(t) - x_i(0)\|^2 / N. With `episodes` `reset` that is where each epoch begins; with `continue` where the robot stood before the first step of the run, uncounted phases included",
+        shown: &[OverTime, AtEnd, Summary],
+        source: From(|now| Some(Real(mean_squared_displacement_m2(now)))),
+    },
 ];
 
 /// Counted steps after which `percent` % of the squares within reach had been entered, from the
@@ -212,6 +219,17 @@ fn overlap(seen_by: impl Iterator<Item = u32>, sampled: usize) -> Option<f64> {
         0 => 0.0,
         visits => pairs as f64 / (others * visits as f64),
     })
+}
+
+/// Mean over the robots of the squared distance from their start poses.
+fn mean_squared_displacement_m2(now: &Counted<'_>) -> f64 {
+    let starts = now.world.starts();
+    let squared_m2 = now.bodies().zip(starts).map(|(body, start)| {
+        let dx_m = f64::from(body.x_m) - f64::from(start.x_m);
+        let dy_m = f64::from(body.y_m) - f64::from(start.y_m);
+        dx_m * dx_m + dy_m * dy_m
+    });
+    squared_m2.sum::<f64>() / starts.len().max(1) as f64
 }
 
 /// The greatest of some counts as a share of all; 0 when there is nothing to share.
@@ -284,5 +302,52 @@ mod tests {
         assert!((even_shares(alone()) - 1.0).abs() < 1e-12 && greatest_share(alone()) == 1.0);
         assert_eq!(even_shares([0, 0].into_iter()), 0.0);
         assert_eq!(greatest_share([0, 0].into_iter()), 0.0);
+    }
+
+    #[test]
+    fn displacement_is_from_where_robots_were_put() {
+        use crate::metrics::Value;
+        use crate::run::Run;
+        use crate::spec::{Episodes, Method, Placement, RunSpec};
+
+        for episodes in [Episodes::Reset, Episodes::Continue] {
+            let arena = std::sync::Arc::new(arenas::builtin("easy").unwrap());
+            let spec = RunSpec {
+                epochs: 2,
+                steps_per_epoch: 100,
+                robots: 3,
+                placement: Placement::Grid,
+                episodes,
+                ..RunSpec::new(Method::Brownian, arena)
+            };
+            let mut run = Run::new(spec.validate().unwrap()).unwrap();
+            let places = |run: &Run| -> Vec<[f32; 2]> {
+                run.robots().iter().map(|b| [b.x_m, b.y_m]).collect()
+            };
+            let starts = places(&run);
+            // Rows within the first epoch and, where robots may have been put back, the second.
+            for (steps, rows) in [(10, 1), (140, 15)] {
+                run.advance(steps);
+                let expected: f64 = places(&run)
+                    .iter()
+                    .zip(&starts)
+                    .flat_map(|(now, start)| [now[0] - start[0], now[1] - start[1]])
+                    .map(|metres| f64::from(metres) * f64::from(metres))
+                    .sum::<f64>()
+                    / 3.0;
+                let log = run.metrics();
+                assert_eq!(log.rows.len(), rows);
+                let found = log.rows[rows - 1]
+                    .values
+                    .get("mean_squared_displacement_m2");
+                let Some(Value::Real(found)) = found else {
+                    panic!("{found:?}")
+                };
+                assert!(
+                    found > 0.0 && (found - expected).abs() < 1e-6 * expected,
+                    "{found} {expected}"
+                );
+            }
+        }
     }
 }

@@ -240,6 +240,11 @@ impl World {
         &self.engine
     }
 
+    /// Where robots are put by [`World::reset`]; index is the robot's number.
+    pub fn starts(&self) -> &[StartPose] {
+        &self.starts
+    }
+
     /// Robots.
     pub fn robots(&self) -> usize {
         self.starts.len()
