@@ -6,6 +6,7 @@ mod definition;
 mod ev_iter;
 mod evolved;
 mod im;
+mod levy;
 #[cfg(test)]
 mod tests;
 mod walker;
@@ -35,6 +36,7 @@ impl Method {
             Self::EvIterD => &ev_iter::EV_ITER_D,
             Self::EvIterCa => &ev_iter::EV_ITER_CA,
             Self::EvIterDa => &ev_iter::EV_ITER_DA,
+            Self::Levy => &levy::LEVY,
         }
     }
 }
@@ -114,6 +116,7 @@ macro_rules! walkers {
 
 walkers! {
     Brownian: crate::controllers::Brownian,
+    Levy: levy::Levy,
 }
 
 /// The stages of a spec under a memory plan, in order.

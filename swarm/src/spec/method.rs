@@ -26,6 +26,8 @@ named_choice! {
         EvIterCa = "ev-iter-ca",
         /// Ev-ITER after a phase 1 of `discovery-a`.
         EvIterDa = "ev-iter-da",
+        /// Levy walk: straight steps of power-law lengths, uniform turns.
+        Levy = "levy",
     }
 }
 
