@@ -257,7 +257,7 @@ pub fn field_error(error: swarm::spec::FieldError) -> FieldError {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
 
     #[test]

@@ -48,7 +48,7 @@ pub fn has_parameter(method: Method, states_from: StatesFrom, name: &str) -> boo
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use serde_json::{Value, json};
     use swarm::run::Run;
     use swarm::spec::ControllerParameters;

@@ -1,5 +1,5 @@
 //! Tests of the list of methods.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use super::*;
 use crate::spec::ControllerParameters;
