@@ -33,13 +33,15 @@
 //!   robot, purpose and counter).
 //! - Plain data: [`parameters`] (tables that document themselves), [`robot`] (body, wheels, sensors),
 //!   [`spec`] (what a run is made from), [`bodies`] (robots and objects, and what sensors read),
-//!   [`caps`] (what a learner may hold), `stages` (which phases a method goes through).
+//!   [`caps`] (what a learner may hold), `stages` (what a stage of a run is).
 //! - The physical side: [`sensors`], [`engine`] (what moves a robot), [`placement`] (where robots
 //!   start).
 //! - Learning: [`learn`] (the algorithms, each alone), [`controllers`] (what a robot can be doing),
-//!   [`sharing`] (what robots tell each other), [`memory`] (fits caps to a budget).
+//!   [`sharing`] (what robots tell each other), [`methods`] (what each method is: its stages, its
+//!   parameters, its walk), [`memory`] (fits caps to a budget).
 //! - [`world`] puts robots, sensors, engine and controllers together, step by step; `validate` makes
-//!   a [`ValidSpec`] of a spec; [`run`] takes one through its stages.
+//!   a [`ValidSpec`] of a spec; [`metrics`] measures what was counted; [`run`] takes a spec through
+//!   its stages.
 
 pub mod bodies;
 pub mod caps;

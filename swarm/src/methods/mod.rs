@@ -17,9 +17,11 @@ pub use definition::{Definition, Explores, Trains};
 
 use crate::bodies::Bodies;
 use crate::caps::MemoryPlan;
+use crate::controllers::Brownian;
 use crate::spec::{Method, RunSpec};
 use crate::stages::Stage;
 use crate::world::World;
+use levy::Levy;
 use walker::Walker;
 
 impl Method {
@@ -115,8 +117,8 @@ macro_rules! walkers {
 }
 
 walkers! {
-    Brownian: crate::controllers::Brownian,
-    Levy: levy::Levy,
+    Brownian: Brownian,
+    Levy: Levy,
 }
 
 /// The stages of a spec under a memory plan, in order.

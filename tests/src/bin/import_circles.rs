@@ -170,7 +170,7 @@ impl Module {
                 TokenTree::Punct(punct) if punct.as_char() == ':' => colons += 1,
                 TokenTree::Ident(ident) => {
                     if colons != 2 {
-                        self.mentions.insert(std::mem::take(&mut path));
+                        self.mention(std::mem::take(&mut path));
                     }
                     path.push(ident.to_string());
                     colons = 0;
@@ -182,7 +182,15 @@ impl Module {
                 _ => colons = 0,
             }
         }
-        self.mentions.insert(path);
+        self.mention(path);
+    }
+
+    /// A path among tokens; a word of a visibility, such as `pub(crate)`, imports nothing.
+    fn mention(&mut self, path: Vec<String>) {
+        let words = path.iter().map(String::as_str).collect::<Vec<_>>();
+        if !matches!(words[..], ["crate" | "super" | "self"]) {
+            self.mentions.insert(path);
+        }
     }
 }
 
@@ -386,7 +394,11 @@ mod tests {
                 ("a.rs", a),
                 ("b.rs", "pub struct B; impl B { pub(super) fn b() {} }"),
                 ("c.rs", "pub fn f(x: u8) {}"),
-                ("d.rs", "pub fn f() {}"),
+                // A visibility is no import, among the tokens of a macro either.
+                (
+                    "d.rs",
+                    "pub fn f() {} macro_rules! m { () => { pub(crate) enum E {} } }",
+                ),
             ],
             &[
                 ("lib.rs", "d.rs"),
