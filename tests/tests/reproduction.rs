@@ -82,7 +82,7 @@ fn the_same_over_http(out: &Path) {
         "base": { "epochs": 40 },
         "seeds": { "first": 1, "count": 2 },
         "parts": [
-            { "matrix": { "arena": ["easy"], "controller.method": server.methods() } },
+            { "matrix": { "arena": ["easy"], "controller.method": server.chapter_5_methods() } },
             {
                 "base": { "engine": "rapier" },
                 "matrix": {

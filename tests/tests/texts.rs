@@ -14,7 +14,10 @@ fn documents() -> Vec<PathBuf> {
         for entry in fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();
             let name = path.file_name().unwrap().to_string_lossy().into_owned();
-            if path.is_dir() && !name.starts_with('.') && !["target", "data"].contains(&&*name) {
+            if path.is_dir()
+                && !name.starts_with('.')
+                && !["target", "data", "node_modules"].contains(&&*name)
+            {
                 collect(&path, found);
             } else if name.ends_with(".md") {
                 found.push(path);

@@ -166,7 +166,7 @@ async fn answers_have_tags_parts_and_short_forms() {
     let npy = format!("{run}/coverage.npy");
     for path in [
         "/",
-        "/page.js",
+        "/dashboard.js",
         "/v1/controllers",
         "/v1/arenas",
         "/v1/arenas/maze",
