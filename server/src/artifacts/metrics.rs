@@ -101,6 +101,7 @@ pub fn robots_csv(log: &MetricsLog) -> String {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
     use swarm::metrics::RowValues;
     use swarm::run::{RobotMemory, RobotMetrics};

@@ -242,6 +242,7 @@ impl Controller for Levy {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use std::sync::Arc;
 
     use proptest::prelude::*;

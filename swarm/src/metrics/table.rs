@@ -260,6 +260,7 @@ fn even_shares(counts: impl Iterator<Item = u32>) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
 
     #[test]

@@ -77,6 +77,7 @@ pub fn pooled() -> impl Iterator<Item = &'static str> {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
 
     #[test]

@@ -83,6 +83,7 @@ impl Later {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
 
     fn row(steps: u64) -> MetricsRow {

@@ -80,6 +80,7 @@ fn read(domain: &Domain, value: Value<'_>) -> Option<Shown> {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
     use crate::parameters::Domain::{Choice, Real, Whole};
     use crate::parameters::parameter_table;
