@@ -29,7 +29,7 @@ pub struct Finished<'a> {
 pub const STAGED: &str = "files";
 
 /// Makes all files of a finished run in `workspace` and puts them at `directory`, which must not
-/// exist or be empty; see [`put`].
+/// exist or be empty; see `put`.
 ///
 /// # Errors
 /// The first file that could not be written or put into place.
