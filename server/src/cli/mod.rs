@@ -5,30 +5,28 @@ mod checkpoint;
 mod client;
 mod compare;
 mod data;
+mod failure;
 mod out;
 mod output;
 mod progress;
 mod reproduce;
 mod run;
 mod token;
+mod values;
 
 use std::ffi::OsString;
 use std::io::IsTerminal;
-use std::net::{Ipv4Addr, SocketAddr};
+use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::LazyLock;
 use std::time::Duration;
 
-use api::FieldError;
 use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::http::ServeOptions;
-
-/// Exit code of anything that went wrong, but for a wrong spec.
-const EXIT_FAILED: u8 = 1;
-/// Exit code of a wrong spec.
-const EXIT_WRONG_SPEC: u8 = 2;
+use failure::{EXIT_FAILED, EXIT_WRONG_SPEC, Failure};
+use values::{listen_address, threads};
 
 /// As `evswarm --version` says it.
 static VERSION: LazyLock<String> = LazyLock::new(|| {
@@ -123,21 +121,6 @@ enum Command {
         /// The shell.
         shell: clap_complete::Shell,
     },
-}
-
-/// Why a command did not do what it was asked to.
-#[derive(Debug)]
-enum Failure {
-    /// The spec is wrong, in these fields.
-    WrongSpec(Vec<FieldError>),
-    /// Anything else.
-    Other(anyhow::Error),
-}
-
-impl<E: Into<anyhow::Error>> From<E> for Failure {
-    fn from(error: E) -> Self {
-        Failure::Other(error.into())
-    }
 }
 
 /// Does what the process's arguments ask for.
@@ -239,29 +222,6 @@ fn log_to_stderr(format: LogFormat) {
     };
 }
 
-/// An address to listen on.
-fn listen_address(text: &str) -> Result<SocketAddr, String> {
-    let (host, port) = text.rsplit_once(':').unwrap_or(("", text));
-    let this_machine = host.is_empty() || host.eq_ignore_ascii_case("localhost");
-    let address = match port.parse() {
-        Ok(port) if this_machine => Some((Ipv4Addr::LOCALHOST, port).into()),
-        _ => text.parse().ok(),
-    };
-    address.ok_or_else(|| {
-        "must be an IP address or localhost, and a port, such as 127.0.0.1:8080, localhost:8080, \
-         [::1]:8080 or 8080"
-            .to_owned()
-    })
-}
-
-/// A number of threads, 1 to 1,024.
-fn threads(text: &str) -> Result<usize, String> {
-    text.parse()
-        .ok()
-        .filter(|number| (1..=1024).contains(number))
-        .ok_or_else(|| "must be a whole number from 1 to 1024".to_owned())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -269,33 +229,6 @@ mod tests {
     #[test]
     fn the_command_line_is_well_formed() {
         Arguments::command().debug_assert();
-    }
-
-    #[test]
-    fn an_address_to_listen_on_is_short_for_this_machine() {
-        for (text, address) in [
-            ("127.0.0.1:8080", "127.0.0.1:8080"),
-            ("localhost:81", "127.0.0.1:81"),
-            ("LocalHost:0", "127.0.0.1:0"),
-            (":82", "127.0.0.1:82"),
-            ("83", "127.0.0.1:83"),
-            ("[::1]:84", "[::1]:84"),
-            ("0.0.0.0:85", "0.0.0.0:85"),
-        ] {
-            let parsed = listen_address(text).map(|address| address.to_string());
-            assert_eq!(parsed.as_deref(), Ok(address), "{text}");
-        }
-        for text in [
-            "",
-            "localhost",
-            "127.0.0.1",
-            "::1",
-            "example.org:80",
-            "65536",
-            "[::1]",
-        ] {
-            assert!(listen_address(text).is_err(), "{text}");
-        }
     }
 
     #[test]

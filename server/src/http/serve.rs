@@ -12,7 +12,7 @@ use tokio::net::TcpListener;
 
 use super::access::Tokens;
 use super::listen::listen;
-use super::router;
+use super::router::router;
 use crate::channels::ChannelSettings;
 use crate::runner::default_run_memory_bytes;
 use crate::scheduler::{Scheduler, SchedulerConfig};

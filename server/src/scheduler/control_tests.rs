@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::tests::{job, runs, start, submit, wait_for, wait_until_done};
 use super::*;
 use crate::documents::{BuiltinArenas, expand};
-use crate::store::RunView;
+use crate::store::{Created, Intent, JobKey, JobRequest, RunView, Store};
 
 /// A job without end of one run, begun; its run.
 fn begun(store: &Store, scheduler: &Scheduler) -> (JobKey, RunView) {

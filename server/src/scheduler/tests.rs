@@ -1,16 +1,19 @@
 //! Runs on workers end as they do alone, whatever happens to them on the way.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+use std::num::NonZeroUsize;
 use std::path::Path;
-use std::time::Instant;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use api::State as Life;
 use serde_json::{Value, json};
 use swarm::run::Run;
 
 use super::*;
+use crate::channels::ChannelSettings;
 use crate::documents::{BuiltinArenas, ResolvedRun, expand};
-use crate::store::{JobRequest, RunState};
+use crate::store::{Created, Intent, JobKey, JobRequest, RunState, Store};
 
 const PATIENCE: Duration = Duration::from_secs(120);
 

@@ -5,8 +5,8 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use statrs::statistics::Statistics;
 use swarm::random::Stream;
 
-use super::mean;
 use super::redraws::{MOST_VALUES, redraws};
+use super::samples::mean;
 
 /// How often an interval holds what it is of.
 pub const LEVEL: f64 = 0.95;

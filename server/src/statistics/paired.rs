@@ -3,7 +3,8 @@
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use swarm::random::Stream;
 
-use super::{LEVEL, compare, mean, standard_error, t_quantile};
+use super::interval::{LEVEL, standard_error, t_quantile};
+use super::samples::{compare, mean};
 
 /// Level of significance after correction.
 pub const ALPHA: f64 = 0.05;

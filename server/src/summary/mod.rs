@@ -1,6 +1,7 @@
 //! A job's runs pooled over seeds: measures by combination, scaling over robots, and what sharing
 //! changes. Formulas and rules: `docs/metrics.md`.
 
+mod combinations;
 pub mod comparison;
 pub mod curves;
 mod escape;
@@ -11,69 +12,11 @@ mod table;
 #[cfg(test)]
 mod tests;
 
-use std::collections::BTreeMap;
+use api::{JobSummary, SCHEMA};
 
-use api::{JobSummary, RunResult, SCHEMA};
-use serde_json::Value;
-
+use combinations::{Combination, alike, axis_of, combinations, values};
+pub use combinations::{FinishedRun, FirstEntries, Input};
 pub use table::{csv, markdown};
-
-use crate::documents::{Design, indices_at};
-use crate::statistics::{Interval, LEVEL};
-
-/// A finished run of a job.
-#[derive(Clone, Debug)]
-pub struct FinishedRun {
-    /// Place in the job.
-    pub place: u64,
-    /// Seed.
-    pub seed: u64,
-    /// What it found.
-    pub result: RunResult,
-    /// Processor time a robot-step, nanoseconds.
-    pub cpu_ns_per_robot_step: Option<f64>,
-}
-
-/// Times of first entries (1 + steps, 0 for never) of the squares within reach, and their number.
-pub type FirstEntries = (Vec<u64>, u32);
-
-impl From<Interval> for api::summary::Interval {
-    fn from(interval: Interval) -> Self {
-        Self {
-            low: interval.low,
-            high: interval.high,
-            level: LEVEL,
-            method: interval.method.to_owned(),
-        }
-    }
-}
-
-/// What is summed up.
-#[derive(Clone, Debug)]
-pub struct Input {
-    /// Id of the job.
-    pub job_id: String,
-    /// Its name.
-    pub name: String,
-    /// What it varies, part by part.
-    pub designs: Vec<Design>,
-    /// Runs in all.
-    pub runs: u64,
-    /// A label for each combination, part by part.
-    pub labels: Vec<String>,
-    /// Robots of each part where its design does not vary them.
-    pub robots: Vec<u32>,
-    /// The runs that are done, in order.
-    pub finished: Vec<FinishedRun>,
-}
-
-/// A combination with its finished runs.
-struct Combination<'a> {
-    /// Index into each axis.
-    indices: Vec<usize>,
-    robots: u32,
-    runs: Vec<&'a FinishedRun>,
-}
 
 /// The summary of a job. `first_entries` gives them for the run at a place.
 pub fn summary(
@@ -106,72 +49,4 @@ pub fn summary(
         summary.sharing.extend(sharing);
     }
     summary
-}
-
-/// The combinations of a part whose first run is at `place` of the job.
-fn combinations<'a>(
-    input: &'a Input,
-    design: &Design,
-    robots: u32,
-    place: u64,
-) -> Vec<Combination<'a>> {
-    let axes = &design.axes;
-    let mut combinations: Vec<Combination<'_>> = (0..design.combinations())
-        .map(|place| {
-            let indices = indices_at(axes.iter().map(|axis| axis.values.len()), place);
-            let values = values(design, &indices, &[]);
-            let varied = values.get("robots").and_then(Value::as_f64);
-            Combination {
-                indices,
-                robots: varied.map_or(robots, |robots| robots as u32),
-                runs: Vec::new(),
-            }
-        })
-        .collect();
-    let seeds = design.seeds.max(1) as u64;
-    for run in &input.finished {
-        let number = run.place.checked_sub(place).map(|place| place / seeds);
-        if let Some(combination) = number.and_then(|n| combinations.get_mut(n as usize)) {
-            combination.runs.push(run);
-        }
-    }
-    combinations
-}
-
-/// What a combination has of the matrix by dotted path, but for some axes; and its part's name.
-fn values(design: &Design, indices: &[usize], without: &[usize]) -> BTreeMap<String, Value> {
-    let part = design
-        .part
-        .iter()
-        .map(|name| ("part".to_owned(), Value::from(name.as_str())));
-    let axes = design.axes.iter().zip(indices).enumerate();
-    axes.filter(|(number, _)| !without.contains(number))
-        .flat_map(|(_, (axis, &index))| axis.paths.iter().cloned().zip(axis.values[index].clone()))
-        .chain(part)
-        .collect()
-}
-
-/// Combinations that differ in some axes alone, in order.
-fn alike<'a, 'b>(
-    combinations: &'b [Combination<'a>],
-    but_for: &[usize],
-) -> Vec<Vec<&'b Combination<'a>>> {
-    let mut sets: BTreeMap<Vec<usize>, Vec<&Combination<'a>>> = BTreeMap::new();
-    for combination in combinations {
-        let indices = combination.indices.iter().copied().enumerate();
-        let key = indices
-            .filter(|(axis, _)| !but_for.contains(axis))
-            .map(|(_, index)| index)
-            .collect();
-        sets.entry(key).or_default().push(combination);
-    }
-    sets.into_values().collect()
-}
-
-/// The axis that holds a path.
-fn axis_of(design: &Design, path: &str) -> Option<usize> {
-    design
-        .axes
-        .iter()
-        .position(|axis| axis.paths.iter().any(|known| known == path))
 }

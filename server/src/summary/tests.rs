@@ -1,11 +1,11 @@
 //! Tests of summaries against figures worked out by hand.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use api::{ClusterCounts, Fractions, MetricValues};
-use serde_json::json;
+use api::{ClusterCounts, Fractions, MetricValues, RunResult};
+use serde_json::{Value, json};
 
 use super::*;
-use crate::documents::DesignAxis;
+use crate::documents::{Design, DesignAxis};
 
 pub fn finished(place: u64, seed: u64, t90: Option<u64>, mean_coverage: f64) -> FinishedRun {
     FinishedRun {

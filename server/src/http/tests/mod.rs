@@ -10,8 +10,10 @@ mod objects;
 mod report;
 
 use std::num::NonZeroUsize;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use axum::Router;
 use axum::body::{Body, Bytes, to_bytes};
 use axum::http::header::{
     AUTHORIZATION, CONTENT_TYPE, ETAG, HOST, IF_NONE_MATCH, LOCATION, ORIGIN,
@@ -21,9 +23,12 @@ use axum::http::{HeaderMap, Request};
 use serde_json::{Value, json};
 use tower::ServiceExt;
 
+use super::access::Tokens;
+use super::router::router;
 use super::*;
 use crate::channels::ChannelSettings;
-use crate::scheduler::SchedulerConfig;
+use crate::scheduler::{Scheduler, SchedulerConfig};
+use crate::store::Store;
 
 struct Service {
     routes: Router,

@@ -3,7 +3,10 @@
 use serde::{Deserialize, Serialize};
 use swarm::run::CurveRow;
 
-use super::{Coverage, Damage, Kind, open, seal, whole};
+use super::envelope::{Damage, Kind, open, seal, whole};
+
+/// Curve, visits, dwell.
+pub type Coverage = (Vec<CurveRow>, Vec<u32>, Vec<u32>);
 
 /// Layout 1, and 0 but for the envelope.
 #[derive(Serialize, Deserialize)]

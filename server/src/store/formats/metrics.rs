@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use swarm::metrics::{RowValues, Value, over_time};
 use swarm::run::{MetricsLog, MetricsRow, RobotMemory, RobotMetrics};
 
-use super::{Damage, Kind, open, seal, whole};
+use super::envelope::{Damage, Kind, open, seal, whole};
 
 /// Layout 1.
 #[derive(Serialize, Deserialize)]

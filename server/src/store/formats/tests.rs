@@ -3,7 +3,12 @@ use swarm::bodies::ObjectPose;
 use swarm::metrics::{RowValues, Value};
 use swarm::run::{MetricsRow, ObjectSample, RobotMemory, RobotMetrics, TrackParts, Tracks};
 
+use sha2::{Digest, Sha256};
+use swarm::run::{CurveRow, MetricsLog};
+
+use super::envelope::{Kind, seal};
 use super::*;
+use crate::store::findings::Findings;
 
 fn findings() -> Findings {
     let sample = |x_m| ObjectSample {

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use swarm::bodies::ObjectPose;
 use swarm::run::{ObjectSample, TrackParts, Tracks};
 
-use super::{Damage, Kind, open, seal, whole};
+use super::envelope::{Damage, Kind, open, seal, whole};
 
 /// Layout 1, and 0 but for the envelope.
 #[derive(Serialize, Deserialize)]

@@ -5,8 +5,11 @@ use serde::{Deserialize, Serialize};
 use swarm::metrics::{RowValues, Value};
 use swarm::run::{MetricsLog, MetricsRow};
 
+use super::blobs::{Blobs, fits};
+use super::envelope::{Damage, taken, whole};
 use super::metrics::RobotV1;
-use super::{Blobs, Damage, Findings, coverage, fits, metrics, taken, tracks, whole};
+use super::{coverage, metrics, tracks};
+use crate::store::findings::Findings;
 
 #[derive(Serialize, Deserialize)]
 struct MetricsV0 {

@@ -1,6 +1,7 @@
 //! Every group of a job against every other: differences paired by seed, tests, and which is best.
 //! Methods and reasons: `docs/statistics.md`.
 
+mod error;
 mod pair;
 mod sets;
 mod table;
@@ -11,6 +12,7 @@ mod words;
 use api::SCHEMA;
 use api::comparison::{Better, ComparedGroup, Comparison};
 
+pub use error::{ComparisonError, MOST_GROUPS};
 pub(super) use sets::{Set, sets};
 pub use table::{csv, markdown};
 
@@ -20,42 +22,8 @@ use crate::statistics::{ALPHA, holm, iqm, iqm_interval, mean_interval, summary a
 
 /// What is compared if nothing is said: the share of the reachable squares that were entered.
 pub const DEFAULT_MEASURE: &str = "p1_fraction";
-/// Most groups: each pair of them has a test.
-pub const MOST_GROUPS: usize = 32;
 /// Points of a performance profile.
 const TAUS: usize = 51;
-
-/// Why a job cannot be compared as was asked.
-#[derive(Debug, PartialEq, Eq, thiserror::Error)]
-pub enum ComparisonError {
-    /// The measure is none.
-    #[error("measure: {asked:?} is none; it is one of {known}")]
-    Measure {
-        /// What was asked for.
-        asked: String,
-        /// All there are.
-        known: String,
-    },
-    /// The job does not vary the field.
-    #[error("by: the job does not vary {asked:?}; it varies {known}")]
-    By {
-        /// What was asked for.
-        asked: String,
-        /// All it varies.
-        known: String,
-    },
-    /// More groups than can be compared.
-    #[error(
-        "the job has {groups} groups, more than {MOST_GROUPS} that can be compared; pool them with \
-         by, one of {known}"
-    )]
-    Groups {
-        /// Its groups.
-        groups: usize,
-        /// What it varies.
-        known: String,
-    },
-}
 
 /// A job's groups by a measure; `by` is a varied field whose values are the groups.
 ///

@@ -1,0 +1,62 @@
+//! Every route of the service, and the layers around all of them.
+
+use std::sync::Arc;
+
+use api::ProblemCode;
+use axum::extract::DefaultBodyLimit;
+use axum::http::{Method, Uri};
+use axum::{Router, middleware};
+
+use crate::findings::Assembler;
+use crate::scheduler::Scheduler;
+use crate::store::Store;
+
+use super::access::Tokens;
+use super::app::App;
+use super::guard::{self, Gate};
+use super::refusal::Refusal;
+use super::{
+    arenas, catalog, comparison, compression, conditional, control, files, health, job_findings,
+    jobs, page, problems, query, runs,
+};
+
+/// Every route, behind the gate.
+pub fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, tokens: Tokens) -> Router {
+    let app = App {
+        findings: Arc::new(Assembler::new(Arc::clone(&store), Arc::clone(&scheduler))),
+        store,
+        scheduler,
+    };
+    let v1 = Router::new()
+        .merge(jobs::routes())
+        .merge(control::routes())
+        .merge(job_findings::routes())
+        .merge(comparison::routes())
+        .merge(runs::routes())
+        .merge(files::routes())
+        .merge(arenas::routes())
+        .merge(catalog::routes());
+    Router::new()
+        .merge(page::routes())
+        .merge(health::routes())
+        .merge(problems::routes())
+        .nest("/v1", v1)
+        .route_layer(middleware::from_fn(query::check))
+        .fallback(async |uri: Uri| {
+            Refusal::not_found(ProblemCode::RouteNotFound, "page", uri.path())
+        })
+        .method_not_allowed_fallback(async |method: Method| {
+            let detail = format!("{method} is not possible here");
+            Refusal::new(ProblemCode::MethodNotAllowed, detail)
+        })
+        // Bodies come within the limits of the gate.
+        .layer(DefaultBodyLimit::disable())
+        .layer(middleware::from_fn(conditional::conditional))
+        .layer(compression::layer())
+        .layer(middleware::map_response(compression::weaken_tag))
+        .layer(middleware::from_fn_with_state(
+            Gate::new(tokens),
+            guard::guard,
+        ))
+        .with_state(app)
+}

@@ -1,0 +1,107 @@
+//! The open data directory: its database, its checkpoints and its lock.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicU64;
+use std::sync::atomic::Ordering::Relaxed;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use rusqlite::Connection;
+
+use super::checkpoints::Checkpoints;
+use super::error::StoreError;
+use super::readers::{Reader, Readers};
+use super::{lock, look, migrations, private};
+
+/// The database's file in a data directory.
+pub(super) const DATABASE: &str = "evswarm.sqlite3";
+/// The folder of checkpoints.
+pub(super) const CHECKPOINTS: &str = "checkpoints";
+
+/// Room below which the store is not ready for more, bytes.
+const LEAST_ROOM_BYTES: u64 = 16 << 20;
+
+/// Most memory for pages of the database, KiB: the largest job's index of runs fits.
+const CACHE_KIB: i64 = 64 << 10;
+
+/// The open data directory; at most one process at a time holds it.
+pub struct Store {
+    pub(super) dir: PathBuf,
+    pub(super) readers: Readers,
+    pub(super) connection: Mutex<Connection>,
+    /// Threads that wait for it.
+    pub(super) waiting_writers: AtomicU64,
+    /// Runs of jobs that are being stored which have no row yet.
+    pub(super) reserved_runs: AtomicU64,
+    pub(super) checkpoints: Checkpoints,
+    _lock: std::fs::File,
+}
+
+impl Store {
+    /// Opens the data directory, makes it when it is missing, and migrates its database.
+    ///
+    /// # Errors
+    /// `InUse` when another process holds it, `Suspicious` when its database is not what was left
+    /// there, `Io`, `Full`, `Migration` or `Sqlite` when it cannot be used.
+    pub fn open(dir: &Path) -> Result<Self, StoreError> {
+        private::make_directory(dir)?;
+        let lock = lock::acquire(dir)?;
+        let checkpoints = Checkpoints::open(&dir.join(CHECKPOINTS))?;
+        let path = dir.join(DATABASE);
+        look::at_file(&path, &checkpoints)?;
+        private::open_file(&path)?;
+        let mut connection = Connection::open(&path)?;
+        connection.pragma_update(None, "journal_mode", "WAL")?;
+        connection.pragma_update(None, "synchronous", "FULL")?;
+        connection.pragma_update(None, "foreign_keys", "ON")?;
+        connection.pragma_update(None, "cache_size", -CACHE_KIB)?;
+        connection.busy_timeout(Duration::from_secs(10))?;
+        connection.set_prepared_statement_cache_capacity(64);
+        look::through(&path, &connection)?;
+        migrations::run(&mut connection)?;
+        Ok(Self {
+            dir: dir.to_owned(),
+            readers: Readers::open(&path)?,
+            connection: Mutex::new(connection),
+            waiting_writers: AtomicU64::new(0),
+            reserved_runs: AtomicU64::new(0),
+            checkpoints,
+            _lock: lock,
+        })
+    }
+
+    /// The checkpoints of runs that are not finished.
+    pub fn checkpoints(&self) -> &Checkpoints {
+        &self.checkpoints
+    }
+
+    /// Whether the database answers, and there is room to store what comes.
+    ///
+    /// # Errors
+    /// When it does not; `Full` when there is no room.
+    pub fn ping(&self) -> Result<(), StoreError> {
+        let stat = rustix::fs::statvfs(&self.dir)
+            .map_err(|error| StoreError::io(&self.dir)(error.into()))?;
+        let room_bytes = stat.f_bavail.saturating_mul(stat.f_frsize);
+        if room_bytes < LEAST_ROOM_BYTES {
+            let dir = self.dir.display();
+            return Err(StoreError::Full(format!(
+                "{room_bytes} bytes are left in {dir}"
+            )));
+        }
+        Ok(self.reader().query_row("SELECT 1", [], |_| Ok(()))?)
+    }
+
+    /// A connection that reads, and never waits for the one that writes.
+    pub(super) fn reader(&self) -> Reader<'_> {
+        self.readers.get()
+    }
+
+    // A panic while the mutex was held left at worst an open transaction, which its guard rolled back.
+    pub(super) fn connection(&self) -> MutexGuard<'_, Connection> {
+        self.waiting_writers.fetch_add(1, Relaxed);
+        let connection = self.connection.lock();
+        self.waiting_writers.fetch_sub(1, Relaxed);
+        connection.unwrap_or_else(PoisonError::into_inner)
+    }
+}
