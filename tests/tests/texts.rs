@@ -104,3 +104,25 @@ fn every_entry_of_the_changelog_begins_with_results_and_the_first_has_the_progra
         versions[0]
     );
 }
+
+/// Paths of the repository that a text has between backquotes; those with a NAME are patterns.
+fn paths(text: &str) -> Vec<&str> {
+    let roots = ["arenas/", "swarm/", "api/", "server/", "tests/", "docs/"];
+    let quoted = text.split('`').skip(1).step_by(2);
+    quoted
+        .filter(|word| roots.iter().any(|root| word.starts_with(root)))
+        .filter(|word| !word.contains("NAME"))
+        .collect()
+}
+
+#[test]
+fn files_that_the_glossary_and_the_recipes_name_exist() {
+    for document in ["docs/glossary.md", "CONTRIBUTING.md"] {
+        let text = fs::read_to_string(readme::root().join(document)).unwrap();
+        let named = paths(&text);
+        assert!(!named.is_empty(), "{document} names no file");
+        for path in named {
+            assert!(readme::root().join(path).exists(), "{document}: {path}");
+        }
+    }
+}
