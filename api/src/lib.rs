@@ -6,6 +6,7 @@ pub mod catalog;
 pub mod comparison;
 pub mod control;
 pub mod curves;
+pub mod events;
 pub mod frames;
 pub mod job;
 pub mod objects;

@@ -122,6 +122,8 @@ problem_codes! {
         "The work was given up; try again after the time in Retry-After."
     NotReady 503 "not-ready" "The server is not ready"
         "Its database does not answer, or not soon enough, or there is no room left to store what comes; try again after the time in Retry-After."
+    TooManyListeners 503 "too-many-listeners" "Too many listeners to events"
+        "As many streams of events are open as the server allows; the answer says when to try again."
     StoreFull 507 "store-full" "There is no room left"
         "The server's disk or quota is full. Nothing was stored; runs wait until there is room."
     ArenasFull 507 "arenas-full" "Too many arenas are stored"

@@ -7,6 +7,7 @@ pub mod break_points;
 pub mod channels;
 pub mod cli;
 pub mod documents;
+mod events;
 mod findings;
 pub mod http;
 pub mod reproduce;

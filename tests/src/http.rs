@@ -7,6 +7,7 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 use ureq::http::{HeaderMap, Request};
 
+use crate::events::Listener;
 use crate::wait;
 
 /// An answer, whatever its status.
@@ -73,6 +74,19 @@ impl Client {
             agent: config.into(),
             url: url.to_owned(),
         }
+    }
+
+    /// Opens a stream of events; `heard` is the id of the last one that is known.
+    pub fn listen(&self, path: &str, heard: Option<&str>) -> Listener {
+        let mut request = self.agent.get(format!("{}{path}", self.url));
+        if let Some(heard) = heard {
+            request = request.header("last-event-id", heard);
+        }
+        let answer = request.call().unwrap();
+        assert_eq!(answer.status(), 200);
+        let media_type = answer.headers()["content-type"].to_str().unwrap();
+        assert_eq!(media_type, "text/event-stream");
+        Listener::new(answer.into_body().into_reader())
     }
 
     /// The address of the server.

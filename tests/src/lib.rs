@@ -5,6 +5,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 pub mod command;
+pub mod events;
 pub mod files;
 pub mod http;
 pub mod readme;

@@ -7,6 +7,7 @@ mod kept;
 mod report;
 mod run;
 mod summary;
+pub mod views;
 
 use std::sync::Arc;
 

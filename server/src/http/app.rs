@@ -5,6 +5,7 @@ use std::sync::Arc;
 use api::ProblemCode;
 
 use super::refusal::Refusal;
+use crate::events::Hub;
 use crate::findings::Assembler;
 use crate::scheduler::Scheduler;
 use crate::store::{JobKey, JobView, RunView, Store};
@@ -15,6 +16,7 @@ pub(super) struct App {
     pub(super) store: Arc<Store>,
     pub(super) scheduler: Arc<Scheduler>,
     pub(super) findings: Arc<Assembler>,
+    pub(super) events: Arc<Hub>,
 }
 
 impl App {

@@ -21,7 +21,8 @@ fn is_text(_: StatusCode, _: Version, headers: &HeaderMap, _: &Extensions) -> bo
         .get(CONTENT_TYPE)
         .and_then(|value| value.to_str().ok());
     media_type.is_some_and(|media_type| {
-        media_type.starts_with("text/")
+        // Events are sent as they come, not gathered.
+        media_type.starts_with("text/") && media_type != "text/event-stream"
             || media_type.starts_with("application/json")
             || media_type.starts_with("image/svg")
     })

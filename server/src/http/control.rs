@@ -10,11 +10,12 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::{delete, get, post};
 use axum::{Json, Router};
 
+use super::App;
 use super::extract::{FoundJob, FoundRun};
 use super::refusal::Refusal;
 use super::request::{parse, said_to_be_json};
-use super::{App, views};
 use crate::documents::{MAX_EPOCHS, one_number};
+use crate::findings::views;
 use crate::scheduler::ControlError;
 use crate::store::{JobView, RunView};
 

@@ -9,12 +9,13 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use axum::{Json, Router};
 
+use super::App;
 use super::extract::FoundJob;
 use super::query::Query;
 use super::refusal::Refusal;
 use super::request::{idempotency_key, parse, said_to_be_json};
-use super::{App, views};
 use crate::documents::{expand, run_count};
+use crate::findings::views;
 use crate::scheduler::{StoredArenas, new_job};
 use crate::store::{Created, Intent, JobFilter, JobKey, JobRequest, JobView};
 

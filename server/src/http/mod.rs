@@ -11,6 +11,7 @@ mod compression;
 mod conditional;
 mod connections;
 mod control;
+mod events;
 mod extract;
 mod files;
 mod guard;
@@ -28,7 +29,6 @@ mod runs;
 mod serve;
 #[cfg(test)]
 mod tests;
-mod views;
 
 pub use access::{Right, line as token_line};
 use app::App;

@@ -7,6 +7,7 @@ use axum::extract::DefaultBodyLimit;
 use axum::http::{Method, Uri};
 use axum::{Router, middleware};
 
+use crate::events::Hub;
 use crate::findings::Assembler;
 use crate::scheduler::Scheduler;
 use crate::store::Store;
@@ -16,14 +17,15 @@ use super::app::App;
 use super::guard::{self, Gate};
 use super::refusal::Refusal;
 use super::{
-    arenas, catalog, comparison, compression, conditional, control, files, health, job_findings,
-    jobs, page, problems, query, runs,
+    arenas, catalog, comparison, compression, conditional, control, events, files, health,
+    job_findings, jobs, page, problems, query, runs,
 };
 
 /// Every route, behind the gate.
 pub fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, tokens: Tokens) -> Router {
     let app = App {
         findings: Arc::new(Assembler::new(Arc::clone(&store), Arc::clone(&scheduler))),
+        events: Hub::start(Arc::clone(&store), Arc::clone(&scheduler)),
         store,
         scheduler,
     };
@@ -33,6 +35,7 @@ pub fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, tokens: Tokens) -> R
         .merge(job_findings::routes())
         .merge(comparison::routes())
         .merge(runs::routes())
+        .merge(events::routes())
         .merge(files::routes())
         .merge(arenas::routes())
         .merge(catalog::routes());

@@ -7,12 +7,13 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use axum::{Json, Router};
 
+use super::App;
 use super::extract::FoundRun;
 use super::query::Query;
 use super::refusal::Refusal;
-use super::{App, views};
 use crate::artifacts::memory_plan;
 use crate::channels::{Extent, describe};
+use crate::findings::views;
 use crate::store::{JobKey, RunFilter, RunKey, RunState};
 
 pub fn routes() -> Router<App> {

@@ -19,6 +19,8 @@ pub struct View {
     pub robot_steps_per_s: Option<f64>,
     /// What it has covered.
     pub findings: Findings,
+    /// Length of a control step, seconds.
+    pub step_s: f64,
 }
 
 impl View {
@@ -124,6 +126,7 @@ impl Observer for Views<'_> {
                 progress: *progress,
                 robot_steps_per_s: measured.or(live.pace()),
                 findings: findings_of(run),
+                step_s: run.spec().robot.parameters.step_s,
             });
         });
         Ok(())

@@ -266,6 +266,20 @@ impl Store {
             .transpose()
     }
 
+    /// A run by its key; `None` when there is none.
+    ///
+    /// # Errors
+    /// When the database fails or holds what cannot be read.
+    pub fn run_by_key(&self, key: RunKey) -> Result<Option<RunView>, StoreError> {
+        self.reader()
+            .prepare_cached(&format!(
+                "{VIEW} WHERE seq = ?1 AND {VISIBLE} ORDER BY job, ordinal LIMIT 1"
+            ))?
+            .query_row([key], |row| Ok(view(row)))
+            .optional()?
+            .transpose()
+    }
+
     /// The resolved spec of a run, as JSON; `None` when there is no such run.
     ///
     /// # Errors

@@ -21,6 +21,7 @@ fn migrations() -> Migrations<'static> {
         M::up_with_hook(include_str!("6_versions.sql"), seal_results),
         plain(include_str!("7_totals.sql")),
         plain(include_str!("8_run_control.sql")),
+        plain(include_str!("9_events.sql")),
     ])
 }
 

@@ -61,7 +61,8 @@ pub fn run(view: &RunView, scheduler: &Scheduler) -> RunSummary {
     }
 }
 
-fn live_progress(live: &View) -> Progress {
+/// How far a run is that a worker holds.
+pub fn live_progress(live: &View) -> Progress {
     let progress = &live.progress;
     Progress {
         phase: progress.phase.name().to_owned(),
@@ -85,5 +86,23 @@ fn stored_progress(position: &Position, view: &RunView) -> Progress {
         fraction: share(position.robot_steps_done, view.robot_steps_total),
         eta_s: None,
         robot_steps_per_s: None,
+    }
+}
+
+/// A row of a run's curve.
+pub fn curve_row(row: &swarm::run::CurveRow) -> api::CurveRow {
+    let swarm::run::CurveRow {
+        epoch,
+        p1,
+        p2,
+        p5,
+        p10,
+    } = *row;
+    api::CurveRow {
+        epoch,
+        p1,
+        p2,
+        p5,
+        p10,
     }
 }

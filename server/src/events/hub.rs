@@ -1,0 +1,116 @@
+//! Where listeners come from: how many there may be, and the thread that looks for changes while
+//! there are any.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::time::{Duration, Instant};
+
+use api::Job;
+use tokio::sync::{OwnedSemaphorePermit, Semaphore, watch};
+
+use super::feed::Feed;
+use crate::findings::views;
+use crate::scheduler::Scheduler;
+use crate::store::{JobKey, Store, StoreError, Subject};
+
+/// Most listeners at once.
+pub const MAX_LISTENERS: usize = 512;
+/// Time between two looks for changes.
+const LOOK_EVERY: Duration = Duration::from_millis(100);
+/// How long a job as it was serves all its listeners.
+const JOB_KEPT: Duration = Duration::from_millis(400);
+/// Most jobs that are kept; beyond that all are forgotten.
+const MAX_JOBS_KEPT: usize = 1_024;
+
+/// All listeners that there may be are there.
+#[derive(Clone, Copy, Debug, thiserror::Error)]
+#[error("{MAX_LISTENERS} listeners to events are there already, and no more may be")]
+pub struct TooManyListeners;
+
+/// What listeners have in common.
+pub struct Hub {
+    pub(super) store: Arc<Store>,
+    pub(super) scheduler: Arc<Scheduler>,
+    places: Arc<Semaphore>,
+    newest: watch::Sender<u64>,
+    jobs: Mutex<BTreeMap<JobKey, (Instant, Job)>>,
+}
+
+impl Hub {
+    /// Listeners of this store, and the thread that looks for changes until the hub is dropped.
+    pub fn start(store: Arc<Store>, scheduler: Arc<Scheduler>) -> Arc<Self> {
+        let hub = Arc::new(Self {
+            store,
+            scheduler,
+            places: Arc::new(Semaphore::new(MAX_LISTENERS)),
+            newest: watch::Sender::new(0),
+            jobs: Mutex::default(),
+        });
+        let watched = Arc::downgrade(&hub);
+        let thread = std::thread::Builder::new()
+            .name("events".to_owned())
+            .spawn(move || look_for_changes(&watched));
+        if let Err(error) = thread {
+            tracing::warn!(%error, "no thread looks for changes: listeners hear of them late");
+        }
+        hub
+    }
+
+    /// A listener. One that comes back says the number of the last change that it heard.
+    ///
+    /// # Errors
+    /// When there are too many.
+    pub fn listen(
+        self: &Arc<Self>,
+        subject: Subject,
+        heard: Option<u64>,
+    ) -> Result<Feed, TooManyListeners> {
+        let place: OwnedSemaphorePermit = Arc::clone(&self.places)
+            .try_acquire_owned()
+            .map_err(|_| TooManyListeners)?;
+        let newest = self.newest.subscribe();
+        Ok(Feed::new(Arc::clone(self), subject, heard, newest, place))
+    }
+
+    /// The job as it is, or was a moment ago; `None` when it is gone.
+    pub(super) fn job(&self, key: JobKey) -> Result<Option<Job>, StoreError> {
+        let mut jobs = self.jobs.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((at, job)) = jobs.get(&key)
+            && at.elapsed() < JOB_KEPT
+        {
+            return Ok(Some(job.clone()));
+        }
+        let Some(view) = self.store.job(key)? else {
+            return Ok(None);
+        };
+        let job = views::job(&view, &self.scheduler);
+        if jobs.len() >= MAX_JOBS_KEPT {
+            jobs.clear();
+        }
+        jobs.insert(key, (Instant::now(), job.clone()));
+        Ok(Some(job))
+    }
+}
+
+fn look_for_changes(hub: &Weak<Hub>) {
+    let mut complained = false;
+    loop {
+        std::thread::sleep(LOOK_EVERY);
+        let Some(hub) = hub.upgrade() else { return };
+        if hub.newest.receiver_count() == 0 {
+            continue;
+        }
+        match hub.store.newest_change() {
+            Ok(newest) => {
+                complained = false;
+                hub.newest
+                    .send_if_modified(|known| std::mem::replace(known, newest) != newest);
+            }
+            Err(error) if complained => tracing::debug!(%error, "no look for changes"),
+            Err(error) => {
+                complained = true;
+                tracing::warn!(%error, "changes cannot be looked for; listeners wait");
+            }
+        }
+    }
+}

@@ -1,0 +1,9 @@
+//! What listeners to a job or a run hear. Nothing is queued for them: each keeps the number of the
+//! last change of state that it heard, and is told what is new when it is ready for more. So a slow
+//! listener costs nothing, misses steps of progress, and never a change of state.
+
+mod feed;
+mod hub;
+
+pub use feed::{Feed, Told};
+pub use hub::Hub;

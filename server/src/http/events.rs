@@ -1,0 +1,93 @@
+//! `/v1/jobs/{id}/events` and `/v1/runs/{id}/events`: server-sent events.
+
+use std::convert::Infallible;
+use std::time::Duration;
+
+use api::ProblemCode;
+use axum::Router;
+use axum::extract::State;
+use axum::http::HeaderMap;
+use axum::response::sse::{Event, KeepAlive, Sse};
+use axum::response::{IntoResponse, Response};
+use axum::routing::get;
+use futures_util::stream::{self, Stream, StreamExt};
+
+use super::App;
+use super::extract::{FoundJob, FoundRun};
+use super::refusal::Refusal;
+use crate::events::{Feed, Told};
+use crate::store::Subject;
+
+/// How soon a browser asks again when the connection is lost.
+const RETRY: Duration = Duration::from_secs(2);
+/// Time between two signs of life of a silent stream.
+const KEEP_ALIVE: Duration = Duration::from_secs(15);
+/// Longest time of a stream; whoever listens on asks again, with the id of the last event.
+const LIFE: Duration = Duration::from_secs(60 * 60);
+
+pub fn routes() -> Router<App> {
+    Router::new()
+        .route("/jobs/{id}/events", get(of_job))
+        .route("/runs/{id}/events", get(of_run))
+}
+
+async fn of_job(
+    State(app): State<App>,
+    FoundJob(job): FoundJob,
+    headers: HeaderMap,
+) -> Result<Response, Refusal> {
+    listen(&app, Subject::Job(job.seq), &headers)
+}
+
+async fn of_run(
+    State(app): State<App>,
+    FoundRun(run): FoundRun,
+    headers: HeaderMap,
+) -> Result<Response, Refusal> {
+    listen(&app, Subject::Run(run.seq), &headers)
+}
+
+fn listen(app: &App, subject: Subject, headers: &HeaderMap) -> Result<Response, Refusal> {
+    let heard = match headers.get("last-event-id") {
+        None => None,
+        Some(id) => Some(
+            id.to_str()
+                .ok()
+                .and_then(|id| id.parse().ok())
+                .ok_or_else(|| {
+                    Refusal::new(
+                        ProblemCode::InvalidHeader,
+                        "Last-Event-ID is the id of an event, a whole number",
+                    )
+                })?,
+        ),
+    };
+    let feed = app.events.listen(subject, heard).map_err(|error| {
+        Refusal::new(ProblemCode::TooManyListeners, error.to_string()).retry_after_s(5)
+    })?;
+    let life = tokio::time::sleep(LIFE);
+    let events =
+        Sse::new(told(feed).take_until(life)).keep_alive(KeepAlive::new().interval(KEEP_ALIVE));
+    Ok(events.into_response())
+}
+
+fn told(feed: Feed) -> impl Stream<Item = Result<Event, Infallible>> + Send {
+    let first = stream::once(async { Event::default().retry(RETRY) });
+    let rest = stream::unfold(feed, async |mut feed| {
+        let told = feed.next().await?;
+        Some((stream::iter(told.into_iter().map(shown)), feed))
+    });
+    first.chain(rest.flatten()).map(Ok)
+}
+
+fn shown(Told { id, event }: Told) -> Event {
+    // Events are strings, finite numbers and lists: JSON can hold all of them.
+    let data = serde_json::to_value(&event)
+        .map(|value| value["data"].to_string())
+        .unwrap_or_default();
+    let shown = Event::default().event(event.name()).data(data);
+    match id {
+        Some(id) => shown.id(id.to_string()),
+        None => shown,
+    }
+}

@@ -1,0 +1,126 @@
+//! Listeners hear every change of state, in order, whether they are slow or come back.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use api::State;
+use api::events::{Event, StateChange};
+use serde_json::json;
+use tests::events::Heard;
+use tests::server::Server;
+use tests::{job, small_spec};
+
+fn changes(heard: &[Heard]) -> Vec<StateChange> {
+    heard
+        .iter()
+        .filter_map(|heard| match &heard.event {
+            Event::State(change) => Some(change.clone()),
+            _ => None,
+        })
+        .collect()
+}
+
+fn is_done(event: &Event) -> bool {
+    matches!(event, Event::Run(run) if run.state == State::Done)
+}
+
+#[test]
+fn a_run_is_followed_to_its_result() {
+    let home = tempfile::tempdir().unwrap();
+    let server = Server::start(home.path());
+    let mut spec = small_spec();
+    spec["epochs"] = json!(3_000);
+    spec["steps_per_epoch"] = json!(4_000);
+    let posted = server.submit(&job(spec, 1));
+    let run = server.only_run(&posted);
+    let mut listener = server.listen(&format!("/v1/runs/{}/events", run.id), None);
+    let heard = listener.until(is_done);
+    assert!(matches!(&heard[0].event, Event::Run(first) if first.id == run.id));
+    assert!(
+        !heard[0].id.is_empty(),
+        "the first event says where it stands"
+    );
+    let count = |name| {
+        heard
+            .iter()
+            .filter(|heard| heard.event.name() == name)
+            .count()
+    };
+    assert!(count("progress") >= 1 && count("coverage") >= 1 && count("metrics") >= 1);
+    let states: Vec<State> = changes(&heard).iter().map(|change| change.state).collect();
+    assert_eq!(states.last(), Some(&State::Done));
+    let Event::Run(last) = &heard.last().unwrap().event else {
+        panic!("{heard:?}");
+    };
+    assert_eq!(last.result, server.only_run(&posted).result);
+}
+
+#[test]
+fn whoever_comes_back_misses_no_change() {
+    let home = tempfile::tempdir().unwrap();
+    let server = Server::start_with(home.path(), &["--threads", "1"]);
+    let mut spec = small_spec();
+    spec["epochs"] = json!(100_000);
+    spec["steps_per_epoch"] = json!(2_000);
+    let posted = server.submit(&job(spec, 2));
+    let path = format!("/v1/jobs/{}/events", posted.id);
+    let first = server.listen(&path, None).next().unwrap();
+    assert!(matches!(&first.event, Event::Job(shown) if shown.id == posted.id));
+
+    // While nobody listens: paused, resumed, cancelled.
+    for what in ["pause", "resume", "cancel"] {
+        let path = format!("/v1/jobs/{}/{what}", posted.id);
+        let answer = server.send("POST", &path, &[], b"");
+        assert_eq!(answer.status, 200, "{what}: {}", answer.text());
+    }
+    let is_over =
+        |event: &Event| matches!(event, Event::Job(shown) if shown.state == State::Cancelled);
+    let heard = server.listen(&path, Some(&first.id)).until(is_over);
+    let of_second: Vec<State> = changes(&heard)
+        .iter()
+        .filter(|change| change.index == 1)
+        .map(|change| change.state)
+        .collect();
+    assert_eq!(of_second, [State::Paused, State::Queued, State::Cancelled]);
+    let ids: Vec<u64> = heard
+        .iter()
+        .filter_map(|heard| heard.id.parse().ok())
+        .collect();
+    assert!(ids.is_sorted(), "{ids:?}");
+}
+
+#[test]
+fn a_slow_listener_hears_every_change_of_three_hundred_runs() {
+    let home = tempfile::tempdir().unwrap();
+    let server = Server::start(home.path());
+    let mut spec = small_spec();
+    spec["epochs"] = json!(1);
+    spec["steps_per_epoch"] = json!(10);
+    let posted = server.submit(&job(spec, 300));
+    let mut listener = server.listen(&format!("/v1/jobs/{}/events", posted.id), None);
+    let first = listener.next().unwrap();
+    let Event::Job(begun) = first.event else {
+        panic!("{first:?}");
+    };
+    server.wait_for(&posted);
+    // Only now does it read on.
+    let heard = listener
+        .until(|event| matches!(event, Event::Job(shown) if shown.runs.done == shown.runs.total));
+    let done = changes(&heard)
+        .iter()
+        .filter(|change| change.state == State::Done)
+        .count() as u64;
+    assert_eq!(done, 300 - begun.runs.done);
+}
+
+#[test]
+fn what_cannot_be_listened_to_is_refused() {
+    let home = tempfile::tempdir().unwrap();
+    let server = Server::start(home.path());
+    server.get("/v1/jobs/7/events").problem(404);
+    server.get("/v1/runs/7/events").problem(404);
+    let posted = server.submit(&job(small_spec(), 1));
+    let path = format!("/v1/jobs/{}/events", posted.id);
+    for wrong in ["x", "-1", ""] {
+        let heard = [("last-event-id", wrong)];
+        server.send("GET", &path, &heard, b"").problem(400);
+    }
+}
