@@ -1,11 +1,14 @@
 //! Benchmarks of the step loop (cases with goals, measured in turn, compared with earlier figures)
-//! and load on the service.
+//! load on the service, and faults of it.
 
 pub mod cases;
+mod client;
 pub mod compare;
 pub mod document;
+pub mod faults;
 pub mod instructions;
 pub mod measure;
 pub mod picture;
+mod server;
 pub mod service;
 pub mod table;

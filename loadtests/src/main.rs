@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use clap::{Parser, Subcommand};
 use loadtests::cases::{self, Case};
 use loadtests::measure::{Figure, measure};
-use loadtests::{compare, document, instructions, picture, service, table};
+use loadtests::{compare, document, faults, instructions, picture, service, table};
 
 /// Benchmarks of the step loop: CPU nanoseconds a robot-step, on one thread.
 #[derive(Parser)]
@@ -54,12 +54,16 @@ struct Options {
 enum Other {
     /// The service under many clients.
     Http(service::Options),
+    /// The service killed again and again while jobs of all kinds are posted and changed.
+    Faults(faults::Options),
 }
 
 fn main() -> Result<()> {
     let options = Options::parse();
-    if let Some(Other::Http(options)) = &options.other {
-        return service::run(options);
+    match &options.other {
+        Some(Other::Http(options)) => return service::run(options),
+        Some(Other::Faults(options)) => return faults::run(options),
+        None => {}
     }
     let cases: Vec<Case> = cases::all()
         .into_iter()

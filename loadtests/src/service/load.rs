@@ -9,11 +9,11 @@ use hyper::Method;
 use serde_json::json;
 use tokio::sync::watch;
 
-use super::client::Client;
 use super::probe::{self, Health, Progress};
 use super::report::{self, Figures};
-use super::server::Server;
 use super::tally::Tally;
+use crate::client::Client;
+use crate::server::Server;
 
 /// Load on the service over HTTP, on this machine alone.
 #[derive(Clone, Debug, clap::Args)]

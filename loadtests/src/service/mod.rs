@@ -1,10 +1,8 @@
 //! `loadtests http`: the service under many clients, beside runs that step on all cores.
 
-mod client;
 mod load;
 mod probe;
 mod report;
-mod server;
 mod tally;
 
 pub use load::{Options, run};

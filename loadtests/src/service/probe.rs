@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result};
 use tokio::sync::watch;
 
-use super::client::Client;
+use crate::client::Client;
 
 /// Health asked again and again, on a connection of its own each time.
 #[derive(Debug, Default)]

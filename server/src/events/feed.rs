@@ -80,10 +80,10 @@ impl Feed {
                     () = tokio::time::sleep_until(looked + PROGRESS_EVERY) => {}
                 }
             }
-            self.newest.mark_unchanged();
+            let newest = *self.newest.borrow_and_update();
             self.looked = Some(Instant::now());
             let mut state = self.state.take()?;
-            let look = tokio::task::spawn_blocking(move || state.look().map(|told| (state, told)));
+            let look = tokio::task::spawn_blocking(move || state.look(newest).map(|told| (state, told)));
             let (state, told) = match look.await {
                 Ok(Ok((state, told))) => (state, told?),
                 Ok(Err(error)) => {
@@ -101,8 +101,9 @@ impl Feed {
 }
 
 impl State {
-    /// What is new; `None` when the subject is gone.
-    fn look(&mut self) -> Result<Option<Vec<Told>>, StoreError> {
+    /// What is new, where `newest` is the number of the newest change that is known of; `None` when
+    /// the subject is gone.
+    fn look(&mut self, newest: u64) -> Result<Option<Vec<Told>>, StoreError> {
         let mut told = Vec::new();
         let is_first = self.after.is_none();
         let mut is_incomplete = false;
@@ -110,7 +111,8 @@ impl State {
             Some(after) => after,
             None => self.hub.store.newest_change()?,
         };
-        loop {
+        let mut is_cut = after < newest;
+        while is_cut {
             let changes = self.hub.store.changes(self.subject, after)?;
             after = changes.after;
             is_incomplete |= changes.is_incomplete;
@@ -122,9 +124,7 @@ impl State {
                     state: change.state,
                 }),
             }));
-            if !changes.is_cut {
-                break;
-            }
+            is_cut = changes.is_cut;
         }
         self.after = Some(after);
         let id = (is_first || is_incomplete).then_some(after);

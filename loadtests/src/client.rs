@@ -56,6 +56,11 @@ impl Client {
         self.ask(Method::POST, path, body).await
     }
 
+    /// Deletes.
+    pub async fn delete(&mut self, path: &str) -> Result<Answer> {
+        self.ask(Method::DELETE, path, None).await
+    }
+
     async fn ask(&mut self, method: Method, path: &str, body: Option<String>) -> Result<Answer> {
         let started = Instant::now();
         let answer = tokio::time::timeout(LIMIT, async {

@@ -7,11 +7,12 @@ use std::process::{Child, Command, Stdio};
 
 use anyhow::{Context, Result, ensure};
 
-/// A server, ended when this is dropped.
+/// A server, killed when this is dropped.
 pub struct Server {
     child: Child,
     address: SocketAddr,
-    _home: tempfile::TempDir,
+    /// Its own data, deleted with it.
+    home: Option<tempfile::TempDir>, // held for its end
 }
 
 /// Beside this very program.
@@ -23,35 +24,50 @@ fn program() -> Result<PathBuf> {
 }
 
 impl Server {
-    /// Starts a server with so many worker threads.
+    /// Starts a server with so many worker threads, on data of its own.
     pub fn start(threads: usize) -> Result<Self> {
         let home = tempfile::tempdir()?;
+        let mut server = Self::start_at(home.path(), threads, None)?;
+        server.home = Some(home);
+        Ok(server)
+    }
+
+    /// Starts a server on the data below `home`; `break_at` is its `EVSWARM_BREAK`.
+    pub fn start_at(home: &Path, threads: usize, break_at: Option<&str>) -> Result<Self> {
         let mut child = Command::new(program()?)
             .args(["serve", "--listen", "127.0.0.1:0", "--threads"])
             .arg(threads.to_string())
             .arg("--data")
-            .arg(home.path().join("data"))
-            .env("XDG_RUNTIME_DIR", home.path())
+            .arg(home.join("data"))
+            .env("XDG_RUNTIME_DIR", home)
             .env_remove("EVSWARM_TOKEN")
+            .env_remove("EVSWARM_BREAK")
+            .envs(break_at.map(|place| ("EVSWARM_BREAK", place)))
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
             .context("starting evswarm")?;
         let output = child.stdout.take().context("the server's output")?;
+        let mut server = Self {
+            child,
+            address: SocketAddr::from(([127, 0, 0, 1], 0)),
+            home: None,
+        };
         let mut lines = BufReader::new(output).lines();
         let line = lines.next().context("the server ended at once")??;
         // A server must not meet a closed standard output.
         std::thread::spawn(move || lines.for_each(drop));
-        let address = line
+        server.address = line
             .rsplit("http://")
             .next()
             .and_then(|rest| rest.trim_end_matches('/').parse().ok())
             .with_context(|| format!("no address in {line:?}"))?;
-        Ok(Self {
-            child,
-            address,
-            _home: home,
-        })
+        Ok(server)
+    }
+
+    /// Whether it has ended by itself.
+    pub fn has_ended(&mut self) -> Result<bool> {
+        Ok(self.child.try_wait()?.is_some())
     }
 
     /// Where it listens.

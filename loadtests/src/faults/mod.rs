@@ -1,0 +1,112 @@
+//! `loadtests faults`: kills the service again and again while jobs of all kinds are posted and
+//! changed, then compares: no acknowledged job lost, no result different from an undisturbed one's.
+
+mod jobs;
+mod ledger;
+mod rounds;
+
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+use anyhow::{Context, Result, ensure};
+
+use crate::client::Client;
+use crate::server::Server;
+use ledger::Ledger;
+
+/// Kills of the service, on this machine alone.
+#[derive(Clone, Debug, clap::Args)]
+pub struct Options {
+    /// Kills at random moments.
+    #[arg(long, default_value_t = 200)]
+    kills: u64,
+    /// Kills at named places: claims, checkpoints, results, posts, changes of jobs, migrations.
+    #[arg(long, default_value_t = 100)]
+    at_places: u64,
+    /// Threads that step runs.
+    #[arg(long, default_value_t = 2)]
+    threads: usize,
+    /// Decides what is done, and when the service is killed.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+/// Digests of what runs came to, by id.
+type Findings = BTreeMap<String, String>;
+
+/// Kills, brings all to an end and compares.
+pub fn run(options: &Options) -> Result<()> {
+    let runtime = tokio::runtime::Builder::new_multi_thread()
+        .worker_threads(1)
+        .enable_all()
+        .build()?;
+    runtime.block_on(async {
+        let started = Instant::now();
+        let expected = undisturbed(options.threads).await?;
+        say(&format!(
+            "{} runs undisturbed: {:.0} s",
+            expected.len(),
+            started.elapsed().as_secs_f64()
+        ));
+        let home = tempfile::tempdir()?;
+        let mut random = fastrand::Rng::with_seed(options.seed);
+        let mut ledger = Ledger::default();
+        let killed = rounds::all(options, home.path(), &mut random, &mut ledger).await?;
+        say(&killed.to_string());
+
+        let server = Server::start_at(home.path(), options.threads, None)?;
+        let mut client = Client::new(server.address());
+        ledger.check(&mut client).await?;
+        let mut found = Findings::new();
+        for job in ledger.jobs() {
+            jobs::bring_to_end(&mut client, job).await?;
+            found.append(&mut jobs::findings(&mut client, job).await?);
+        }
+        let different = found
+            .iter()
+            .filter(|(id, digest)| expected.get(*id) != Some(digest));
+        let different: Vec<&String> = different.map(|(id, _)| id).collect();
+        say(&format!(
+            "{} acknowledged jobs, {} deleted by request, 0 lost; {} different runs compared, {} different; {:.0} s",
+            ledger.jobs().count() as u64 + ledger.deleted(),
+            ledger.deleted(),
+            found.len(),
+            different.len(),
+            started.elapsed().as_secs_f64()
+        ));
+        ensure!(different.is_empty(), "different: {different:?}");
+        ensure!(found.len() > expected.len() / 2, "too few runs were compared");
+        Ok(())
+    })
+}
+
+/// What all runs come to when nothing happens.
+async fn undisturbed(threads: usize) -> Result<Findings> {
+    let server = Server::start(threads)?;
+    let mut client = Client::new(server.address());
+    let mut posted = Vec::new();
+    for kind in 0..jobs::KINDS {
+        let answer = client.post("/v1/jobs", Some(jobs::whole(kind))).await?;
+        ensure!(
+            answer.status == 201,
+            "kind {kind}: {}",
+            String::from_utf8_lossy(&answer.body)
+        );
+        let id = answer.json()?["id"]
+            .as_str()
+            .context("an id")?
+            .parse::<u64>()?;
+        posted.push(id);
+    }
+    let mut found = Findings::new();
+    for job in posted {
+        jobs::bring_to_end(&mut client, job).await?;
+        found.append(&mut jobs::findings(&mut client, job).await?);
+    }
+    Ok(found)
+}
+
+#[allow(clippy::print_stdout, reason = "what is found is the program's output")]
+fn say(line: &str) {
+    println!("{line}");
+}
