@@ -83,7 +83,8 @@ impl Feed {
             let newest = *self.newest.borrow_and_update();
             self.looked = Some(Instant::now());
             let mut state = self.state.take()?;
-            let look = tokio::task::spawn_blocking(move || state.look(newest).map(|told| (state, told)));
+            let look =
+                tokio::task::spawn_blocking(move || state.look(newest).map(|told| (state, told)));
             let (state, told) = match look.await {
                 Ok(Ok((state, told))) => (state, told?),
                 Ok(Err(error)) => {
