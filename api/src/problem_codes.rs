@@ -108,6 +108,8 @@ problem_codes! {
         "Another body was posted with the same Idempotency-Key."
     JobTooLarge 422 "job-too-large" "The job has too many runs"
         "The job has more runs than may be unfinished at all."
+    TableTooLong 422 "table-too-long" "The table would be too long"
+        "A table of this job has more rows than are given at once; ask for its runs one by one."
     QueueFull 429 "queue-full" "Too many runs are unfinished"
         "Try again after the time in Retry-After, or cancel jobs."
     TooManyAttempts 429 "too-many-attempts" "Too many wrong tokens"

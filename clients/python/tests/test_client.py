@@ -52,6 +52,45 @@ def test_tables_are_the_same_in_pandas_and_polars(client: evswarm.Client) -> Non
     assert job.summary()
 
 
+def test_tables_of_a_job_have_the_types_of_their_columns(client: evswarm.Client) -> None:
+    import pyarrow.parquet
+
+    matrix = {"controller.method": ["brownian", "im"], "robots": [1, 2]}
+    base = {**SMALL, "placement": "grid"}
+    job = client.submit(
+        {"name": "typed", "base": base, "matrix": matrix, "seeds": {"first": 1, "count": 2}}
+    ).wait(timeout_s=60)
+    runs = job.to_pandas()
+    assert len(runs) == 8 and len(runs.columns) > 60
+    assert runs.dtypes["p1"] == "Int64" and runs.dtypes["fractions.p1"] == "Float64"
+    assert runs.dtypes["controller.method"] == "string"
+    assert runs.groupby(["controller.method", "robots"])["p1"].count().to_list() == [2, 2, 2, 2]
+    for run in job.runs():
+        row = runs[runs["run"] == run.id].iloc[0]
+        for name, value in run.row().items():
+            if name in runs.columns:
+                assert (row[name] == value) if value is not None else row.isna()[name], name
+    polars = job.to_polars()
+    assert polars.columns == list(runs.columns)
+    assert job.runs_csv().splitlines()[0].split(",") == polars.columns
+    # Without a value a column has its type all the same.
+    waiting = client.submit_run({**SMALL, "epochs": 1_000_000}).to_polars()
+    assert waiting.schema == polars.schema
+
+    curves = job.curves_polars()
+    assert len(curves) == len(job.curves()) == 24
+    assert len(job.curves_pandas()) == 24
+    metrics = job.metrics_polars()
+    run = next(job.runs())
+    own = run.metrics_polars()
+    mine = metrics.filter(metrics["run"] == run.id).select(own.columns)
+    assert mine.equals(own)
+    assert len(job.metrics_pandas()) == len(metrics)
+    schema = pyarrow.parquet.read_schema(__import__("io").BytesIO(job.parquet("metrics")))
+    assert str(schema.field("steps").type) == "int64"
+    assert str(schema.field("entropy").type) == "double"
+
+
 def test_a_wrong_spec_tells_every_wrong_field(client: evswarm.Client) -> None:
     with pytest.raises(evswarm.SpecRefused) as refused:
         client.submit_run({"arena": "nowhere", "epochs": 0, "controler": {}})

@@ -6,17 +6,20 @@ use std::sync::Arc;
 
 use arenas::Squares;
 use serde::Serialize;
-use swarm::run::CurveRow;
+use swarm::run::{CurveRow, MetricsLog};
 
 use super::{
     coverage_csv, coverage_json, coverage_png, coverage_svg, curve_csv, metrics_csv, metrics_json,
     objects_csv, objects_json, pushed, robots_csv, visits_npy,
 };
 use crate::documents::ResolvedRun;
+use crate::exports::metrics_of_run;
 use crate::store::Findings;
+use crate::tables::Form;
 
 const JSON: &str = "application/json";
 const CSV: &str = "text/csv; charset=utf-8";
+const PARQUET: &str = Form::Parquet.media_type();
 const NPY: &str = "application/octet-stream";
 
 /// Something about a run that can be read, in one format.
@@ -146,6 +149,12 @@ pub const RUN_FILES: &[RunFile] = &[
         CSV,
         Maker::Findings(|run| metrics_csv(&run.findings.metrics, run.spec.step_s()).into_bytes()),
     ),
+    form(
+        None,
+        Some("metrics.parquet"),
+        PARQUET,
+        Maker::Findings(|run| metrics_parquet(&run.findings.metrics, run.spec.step_s())),
+    ),
     holding(
         form(
             None,
@@ -252,6 +261,15 @@ fn compact(document: &impl Serialize) -> Vec<u8> {
         reason = "structs of numbers and strings: JSON can hold all of them"
     )]
     serde_json::to_vec(document).expect("a document is JSON")
+}
+
+/// A table as it is sent.
+fn metrics_parquet(log: &MetricsLog, step_s: f64) -> Vec<u8> {
+    #[allow(
+        clippy::expect_used,
+        reason = "memory takes every byte, and cells are of their columns' kinds: a test writes all"
+    )]
+    metrics_of_run(log, step_s).expect("a table is written into memory")
 }
 
 /// At most `points` rows, evenly spread, the last always there.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use api::ProblemCode;
+use tokio::sync::Semaphore;
 
 use super::refusal::Refusal;
 use crate::events::Hub;
@@ -17,6 +18,8 @@ pub(super) struct App {
     pub(super) scheduler: Arc<Scheduler>,
     pub(super) findings: Arc<Assembler>,
     pub(super) events: Arc<Hub>,
+    /// Places for tables that are being made.
+    pub(super) exports: Arc<Semaphore>,
 }
 
 impl App {

@@ -12,6 +12,7 @@ mod conditional;
 mod connections;
 mod control;
 mod events;
+mod exports;
 mod extract;
 mod files;
 mod guard;

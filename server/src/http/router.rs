@@ -17,7 +17,7 @@ use super::app::App;
 use super::guard::{self, Gate};
 use super::refusal::Refusal;
 use super::{
-    arenas, catalog, comparison, compression, conditional, control, events, files, health,
+    arenas, catalog, comparison, compression, conditional, control, events, exports, files, health,
     job_findings, jobs, page, problems, query, runs,
 };
 
@@ -26,6 +26,7 @@ pub fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, tokens: Tokens) -> R
     let app = App {
         findings: Arc::new(Assembler::new(Arc::clone(&store), Arc::clone(&scheduler))),
         events: Hub::start(Arc::clone(&store), Arc::clone(&scheduler)),
+        exports: exports::places(),
         store,
         scheduler,
     };
@@ -34,6 +35,7 @@ pub fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, tokens: Tokens) -> R
         .merge(control::routes())
         .merge(job_findings::routes())
         .merge(comparison::routes())
+        .merge(exports::routes())
         .merge(runs::routes())
         .merge(events::routes())
         .merge(files::routes())

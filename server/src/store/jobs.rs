@@ -80,6 +80,20 @@ impl Store {
             .flatten())
     }
 
+    /// Epochs that the finished runs of a job have together.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn epochs_done(&self, seq: JobKey) -> Result<u64, StoreError> {
+        Ok(self
+            .reader()
+            .prepare_cached(
+                "SELECT coalesce(sum(epochs_total), 0) FROM job_runs JOIN runs ON runs.seq = run
+                 WHERE job = ?1 AND state = 'done'",
+            )?
+            .query_row([seq], |row| row.get(0).map(from_sql))?)
+    }
+
     /// At most `limit` jobs, newest first, older than `before` when that is given.
     ///
     /// # Errors

@@ -24,13 +24,20 @@ def to_polars(rows: Sequence[dict[str, Any]]) -> polars.DataFrame:
     return polars.from_dicts(list(rows), infer_schema_length=None) if rows else polars.DataFrame()
 
 
+def parquet_pandas(file: bytes) -> pandas.DataFrame:
+    import pandas
+
+    # Whole numbers stay whole where some are missing.
+    return pandas.read_parquet(io.BytesIO(file), dtype_backend="numpy_nullable")
+
+
+def parquet_polars(file: bytes) -> polars.DataFrame:
+    import polars
+
+    return polars.read_parquet(io.BytesIO(file))
+
+
 def csv_pandas(text: str) -> pandas.DataFrame:
     import pandas
 
     return pandas.read_csv(io.StringIO(text))
-
-
-def csv_polars(text: str) -> polars.DataFrame:
-    import polars
-
-    return polars.read_csv(io.StringIO(text), infer_schema_length=None)

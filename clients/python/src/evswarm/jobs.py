@@ -120,13 +120,37 @@ class Job:
         """A row for each run: seed, arena, method, what it has of the matrix, state and results."""
         return [run.row() for run in self.runs()]
 
+    def runs_csv(self) -> str:
+        """A line for each run, as the server's table ``runs`` has it."""
+        return self._transport.get(f"{self._path()}/runs.csv").text
+
+    def parquet(self, table: str) -> bytes:
+        """A Parquet file: ``runs``, ``curves`` or ``metrics``; columns do not depend on the job."""
+        return self._transport.get(f"{self._path()}/{table}.parquet").content
+
     def to_pandas(self) -> pandas.DataFrame:
-        """:meth:`table` for pandas."""
-        return frames.to_pandas(self.table())
+        """A row for each run: every field of its spec under its dotted path, and its results."""
+        return frames.parquet_pandas(self.parquet("runs"))
 
     def to_polars(self) -> polars.DataFrame:
-        """:meth:`table` for polars."""
-        return frames.to_polars(self.table())
+        """:meth:`to_pandas` for polars."""
+        return frames.parquet_polars(self.parquet("runs"))
+
+    def curves_pandas(self) -> pandas.DataFrame:
+        """Coverage after each epoch of its finished runs, for pandas."""
+        return frames.parquet_pandas(self.parquet("curves"))
+
+    def curves_polars(self) -> polars.DataFrame:
+        """Coverage after each epoch of its finished runs, for polars."""
+        return frames.parquet_polars(self.parquet("curves"))
+
+    def metrics_pandas(self) -> pandas.DataFrame:
+        """Swarm metrics over time of its finished runs, for pandas."""
+        return frames.parquet_pandas(self.parquet("metrics"))
+
+    def metrics_polars(self) -> polars.DataFrame:
+        """Swarm metrics over time of its finished runs, for polars."""
+        return frames.parquet_polars(self.parquet("metrics"))
 
     def curves(self) -> list[dict[str, Any]]:
         """The coverage curves of its finished runs: a row for each run and epoch."""

@@ -101,11 +101,11 @@ class Run:
 
     def metrics_pandas(self) -> pandas.DataFrame:
         """Swarm metrics over time, for pandas."""
-        return frames.csv_pandas(self._get("metrics.csv").text)
+        return frames.parquet_pandas(self._get("metrics.parquet").content)
 
     def metrics_polars(self) -> polars.DataFrame:
         """Swarm metrics over time, for polars."""
-        return frames.csv_polars(self._get("metrics.csv").text)
+        return frames.parquet_polars(self._get("metrics.parquet").content)
 
     def robots_pandas(self) -> pandas.DataFrame:
         """What each robot did, for pandas."""

@@ -5,6 +5,7 @@ mod access;
 mod contract;
 mod control;
 mod damage;
+mod exports;
 mod jobs;
 mod objects;
 mod report;
