@@ -1,10 +1,11 @@
 //! What the service offers: arenas, controllers with their parameters, prepared jobs.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 /// An arena in a list.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ArenaListing {
     /// Name, as a run spec uses it.
     pub name: String,
@@ -25,7 +26,7 @@ pub struct ArenaListing {
 }
 
 /// A method in a list.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MethodListing {
     /// Name, as a run spec uses it.
     pub name: String,
@@ -41,7 +42,7 @@ pub struct MethodListing {
 }
 
 /// A parameter in a list.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ParameterListing {
     /// Name, as a run spec uses it.
     pub name: String,
@@ -58,7 +59,7 @@ pub struct ParameterListing {
 }
 
 /// Everything that `controller` and `robot` of a run spec may hold.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ControllerListing {
     /// Version of this format.
     pub schema: u32,
@@ -73,7 +74,7 @@ pub struct ControllerListing {
 }
 
 /// A prepared job in a list.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TemplateListing {
     /// Name, for `{"template": ...}`.
     pub name: String,
@@ -86,7 +87,7 @@ pub struct TemplateListing {
 }
 
 /// Which program answers.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Version {
     /// Of the program.
     pub version: String,
@@ -94,4 +95,25 @@ pub struct Version {
     pub results_version: u32,
     /// Of the documents that it takes and gives.
     pub schema: u32,
+}
+
+/// `GET /v1/arenas`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ArenaList {
+    /// Those that ship with the program, then uploaded ones by name.
+    pub items: Vec<ArenaListing>,
+}
+
+/// `GET /v1/templates`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct TemplateList {
+    /// All of them.
+    pub items: Vec<TemplateListing>,
+}
+
+/// `GET /health/livez` and `/health/readyz`, where all is well.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Health {
+    /// `ok`.
+    pub status: String,
 }

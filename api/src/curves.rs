@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 /// The curves of every group, at the same abscissae.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct JobCurves {
     /// Version of this format.
     pub schema: u32,
@@ -29,7 +30,7 @@ pub struct JobCurves {
 }
 
 /// The curves of a group; lists have an entry for each abscissa.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct GroupCurves {
     /// What tells it from the others, in words.
     pub label: String,
@@ -52,7 +53,7 @@ pub struct GroupCurves {
 }
 
 /// The curve of one run.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RunCurve {
     /// Its seed.
     pub seed: u64,

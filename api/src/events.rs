@@ -1,5 +1,6 @@
 //! What listeners to a job or a run hear: server-sent events, each with a name and a JSON document.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::job::{Job, RunSummary};
@@ -11,7 +12,7 @@ use crate::state::{Progress, State};
 /// Every change of state comes, in order, with an id: a listener that comes back with
 /// `Last-Event-ID` misses none. The others show the latest, at most twice a second, and have no id;
 /// a listener that is slow misses some of them.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "event", content = "data", rename_all = "snake_case")]
 pub enum Event {
     /// A run's state changed.
@@ -29,7 +30,7 @@ pub enum Event {
 }
 
 /// A run's state changed.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct StateChange {
     /// Id of the run.
     pub run_id: String,

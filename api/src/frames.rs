@@ -5,6 +5,7 @@
 use std::path::{Path, PathBuf};
 
 use iceoryx2::prelude::{Config, FileName, Path as IpcPath, SemanticString, ZeroCopySend};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Version of [`RobotState`], [`ObjectState`] and [`FrameHeader`]; part of their type names, so that a reader of
@@ -15,7 +16,7 @@ pub const FRAMES_VERSION: u32 = 1;
 pub const PHASES: [&str; 5] = ["babbling", "evolution", "repository", "exploration", "done"];
 
 /// A field of a shared-memory type, for programs in other languages.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct FieldLayout {
     /// Name of the field.
     pub name: String,
@@ -28,7 +29,7 @@ pub struct FieldLayout {
 }
 
 /// A shared-memory type as C sees it.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct TypeLayout {
     /// Name under which the channel checks the type; holds its version.
     pub type_name: String,
@@ -148,7 +149,7 @@ impl FrameHeader {
 }
 
 /// A channel of a run, as `GET /v1/runs/{id}/channels` describes it.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct ChannelDescription {
     /// What it carries: `frames`, or `objects` where there are movable objects.
     pub name: String,

@@ -1,12 +1,13 @@
 //! Jobs and runs as the service shows them.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::result::RunResult;
 use crate::state::{Progress, State};
 
 /// How many runs of a job are in each state.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct RunCounts {
     /// All of them.
     pub total: u64,
@@ -26,7 +27,7 @@ pub struct RunCounts {
 }
 
 /// A job.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Job {
     /// Id, as in `/v1/jobs/{id}`.
     pub id: String,
@@ -51,7 +52,7 @@ pub struct Job {
 }
 
 /// A run in a list.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RunSummary {
     /// Id, as in `/v1/runs/{id}`: SHA-256 of spec, arenas and code version, in hex.
     pub id: String,
@@ -84,7 +85,7 @@ pub struct RunSummary {
 }
 
 /// A page of jobs.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct JobPage {
     /// Newest first.
     pub items: Vec<Job>,
@@ -93,7 +94,7 @@ pub struct JobPage {
 }
 
 /// A page of a job's runs.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RunPage {
     /// In order of `index`.
     pub items: Vec<RunSummary>,

@@ -19,12 +19,13 @@ pub mod state;
 pub mod summary;
 
 pub use catalog::{
-    ArenaListing, ControllerListing, MethodListing, ParameterListing, TemplateListing, Version,
+    ArenaList, ArenaListing, ControllerListing, Health, MethodListing, ParameterListing,
+    TemplateList, TemplateListing, Version,
 };
 pub use control::{Epochs, ExtendJob, Priority, RunLog, RunLogEntry};
 pub use job::{Job, JobPage, RunCounts, RunPage, RunSummary};
 pub use objects::{ObjectSample, ObjectTrack, ObjectTracks};
-pub use problem::{FieldError, Problem};
+pub use problem::{FieldError, Problem, ProblemList, ProblemMeaning};
 pub use problem_codes::ProblemCode;
 pub use result::{
     ClusterCounts, Coverage, CurveRow, Fractions, Memory, MemoryPlan, MetricValues, Metrics,

@@ -1,9 +1,10 @@
 //! Movable objects of a run over time.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// An object at one moment.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ObjectSample {
     /// Counted steps of the arena that were done.
     pub steps: u64,
@@ -22,7 +23,7 @@ pub struct ObjectSample {
 }
 
 /// An object over time.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ObjectTrack {
     /// `box` or `disc`.
     pub kind: String,
@@ -31,7 +32,7 @@ pub struct ObjectTrack {
 }
 
 /// The movable objects of a run over time.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ObjectTracks {
     /// Version of this format.
     pub schema: u32,

@@ -1,11 +1,12 @@
 //! Errors as RFC 9457 `application/problem+json`, with every wrong field.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::ProblemCode;
 
 /// A field that cannot be used.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct FieldError {
     /// JSON pointer (RFC 6901) into the document that was sent.
     pub pointer: String,
@@ -46,12 +47,12 @@ impl std::fmt::Display for FieldError {
 }
 
 /// A problem document.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Problem {
     /// URI reference of the kind of problem.
     #[serde(rename = "type")]
     pub kind: String,
-    /// The same for programs: see [`ProblemCode`].
+    /// The same for programs: one of those under `/problems`.
     pub code: String,
     /// What kind of problem, in a few words.
     pub title: String,
@@ -94,4 +95,39 @@ impl Problem {
         self.errors = errors;
         self
     }
+}
+
+/// What a kind of problem means: `GET /problems/{code}`.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct ProblemMeaning {
+    /// URI reference of the kind of problem.
+    #[serde(rename = "type")]
+    pub kind: String,
+    /// The same for programs.
+    pub code: String,
+    /// HTTP status.
+    pub status: u16,
+    /// What kind of problem, in a few words.
+    pub title: String,
+    /// What it means and what to do.
+    pub meaning: String,
+}
+
+impl From<ProblemCode> for ProblemMeaning {
+    fn from(code: ProblemCode) -> Self {
+        Self {
+            kind: code.uri().to_owned(),
+            code: code.code().to_owned(),
+            status: code.status(),
+            title: code.title().to_owned(),
+            meaning: code.meaning().to_owned(),
+        }
+    }
+}
+
+/// `GET /problems`.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct ProblemList {
+    /// All of them, by status.
+    pub items: Vec<ProblemMeaning>,
 }

@@ -1,11 +1,12 @@
 //! What a run found: `result.json`, rows of `curve.csv`, coverage as JSON.
 
 use indexmap::IndexMap;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Number;
 
 /// Coverage after an epoch: squares entered at least 1, 2, 5 and 10 times.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct CurveRow {
     /// Counted epochs that are complete, from 1.
     pub epoch: u32,
@@ -21,7 +22,7 @@ pub struct CurveRow {
 
 /// Coverage as shares of the reachable squares: only squares among them count, so no share is above
 /// 1; all are 0 where no square is reachable.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Fractions {
     /// Squares entered at least once.
     pub p1: f64,
@@ -34,7 +35,7 @@ pub struct Fractions {
 }
 
 /// Clusters of the first robot's learner; 0 where the method has none.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct ClusterCounts {
     /// Of sensor vectors.
     pub sensor: u32,
@@ -46,7 +47,7 @@ pub struct ClusterCounts {
 
 /// How far the first robot's transition table is from a reference that random actions in the target
 /// arena give (section 4.3.4 of the thesis).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ModelAccuracy {
     /// Kullback-Leibler divergence in nats, summed over the pairs of state and action that the table
     /// knows.
@@ -56,7 +57,7 @@ pub struct ModelAccuracy {
 }
 
 /// What each robot's learner may hold: caps of everything that grows.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct MemoryPlan {
     /// States.
     pub sensor_clusters: u32,
@@ -77,7 +78,7 @@ pub struct MemoryPlan {
 }
 
 /// What the robots' learners held when the run ended.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Memory {
     /// What each could hold; without a budget what the parameters say.
     pub plan: MemoryPlan,
@@ -93,7 +94,7 @@ pub struct Memory {
 
 /// Swarm metrics by name, in the order of the table in `docs/metrics.md`, which has their units and
 /// formulas. Null where a metric is not defined; one that the program which ran had not is absent.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
 pub struct MetricValues(pub IndexMap<String, Option<Number>>);
 
@@ -105,7 +106,7 @@ impl MetricValues {
 }
 
 /// The swarm after some counted steps.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MetricsRow {
     /// Counted steps of the arena that are done.
     pub steps: u64,
@@ -121,7 +122,7 @@ pub struct MetricsRow {
 }
 
 /// The metrics of a run over time.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Metrics {
     /// Version of this format.
     pub schema: u32,
@@ -132,7 +133,7 @@ pub struct Metrics {
 }
 
 /// What became of a movable object.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ObjectResult {
     /// `box` or `disc`.
     pub kind: String,
@@ -152,7 +153,7 @@ pub struct ObjectResult {
 }
 
 /// `result.json`: what a finished run has to say; nothing about time or machine.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RunResult {
     /// Version of this format.
     pub schema: u32,
@@ -193,7 +194,7 @@ pub struct RunResult {
 
 /// How many squares an arena has: one number where rows and columns are as many, else
 /// `[columns, rows]`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Squares {
     /// As many in a row as in a column.
@@ -213,7 +214,7 @@ impl From<[u32; 2]> for Squares {
 }
 
 /// Coverage as JSON: entries counted a square.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Coverage {
     /// Version of this format.
     pub schema: u32,

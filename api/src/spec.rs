@@ -5,6 +5,7 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
 
@@ -12,7 +13,7 @@ use serde_json::Value;
 pub const SCHEMA: u32 = 1;
 
 /// One simulation run.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RunSpec {
     /// Version of this format: [`SCHEMA`].
@@ -63,7 +64,7 @@ pub struct RunSpec {
 }
 
 /// An arena by name, or written out.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum ArenaRef {
     /// A built-in or uploaded arena.
@@ -73,7 +74,7 @@ pub enum ArenaRef {
 }
 
 /// A method with its parameters beside it.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ControllerSpec {
     /// Name of the method, such as `ev-iter-c`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -87,7 +88,7 @@ pub struct ControllerSpec {
 }
 
 /// Training of a controller.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TrainSpec {
     /// Arena in which phase 1, or the evolution of a baseline, happens.
@@ -99,7 +100,7 @@ pub struct TrainSpec {
 }
 
 /// A robot preset with parameters that differ from it.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RobotSpec {
     /// Name of the preset, such as `thesis`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -110,7 +111,7 @@ pub struct RobotSpec {
 }
 
 /// Sharing between robots.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SharingSpec {
     /// `none`, `arena` or `radio`.
@@ -135,7 +136,7 @@ fn present<'de, D: Deserializer<'de>>(value: D) -> Result<Option<Option<f64>>, D
 }
 
 /// What a run records.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RecordSpec {
     /// Record every so many steps; 0 records nothing.
@@ -144,7 +145,7 @@ pub struct RecordSpec {
 }
 
 /// A job: the product of a matrix over a base run and of seeds, or a prepared one by name.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JobSpec {
     /// Version of this format: [`SCHEMA`].
@@ -169,7 +170,7 @@ pub struct JobSpec {
 }
 
 /// Seeds of a job.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Seeds {
     /// `count` seeds from `first` up.
@@ -184,7 +185,7 @@ pub enum Seeds {
 }
 
 /// Where robots stand when an epoch starts.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum PlacementSpec {
     /// `start`, `grid` or `random`.

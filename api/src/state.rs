@@ -1,9 +1,12 @@
 //! Life cycle and progress of jobs and runs.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Where a job or a run is in its life.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum State {
     /// Waits for a free thread.
@@ -30,6 +33,17 @@ impl State {
         State::Failed,
         State::Cancelled,
     ];
+
+    /// The names in JSON, in the same order.
+    pub const NAMES: [&'static str; 6] = {
+        let mut names = [""; 6];
+        let mut number = 0;
+        while number < names.len() {
+            names[number] = Self::ALL[number].name();
+            number += 1;
+        }
+        names
+    };
 
     /// The name in JSON.
     pub const fn name(self) -> &'static str {
@@ -61,7 +75,7 @@ impl std::fmt::Display for State {
 }
 
 /// How far a run is. Steps are robot-steps, uncounted phases included.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Progress {
     /// `babbling`, `evolution`, `repository`, `exploration` or `done`.
     pub phase: String,

@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 /// A job's results by combination of its matrix.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct JobSummary {
     /// Version of this format.
     pub schema: u32,
@@ -27,7 +28,7 @@ pub struct JobSummary {
 }
 
 /// The runs of one combination.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Group {
     /// What of the matrix it has, in words.
     pub label: String,
@@ -44,7 +45,7 @@ pub struct Group {
 }
 
 /// A measure over the runs of a group.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Measure {
     /// Its name, such as `p1` or `t90_steps`.
     pub name: String,
@@ -68,7 +69,7 @@ pub struct Measure {
 }
 
 /// An interval, and how it was made; methods in `docs/statistics.md`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Interval {
     /// Lower end.
     pub low: f64,
@@ -81,7 +82,7 @@ pub struct Interval {
 }
 
 /// Groups that differ in the number of robots (and what varies with it) alone.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Scaling {
     /// What they have in common, by dotted path.
     pub values: BTreeMap<String, Value>,
@@ -94,7 +95,7 @@ pub struct Scaling {
 }
 
 /// One number of robots.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ScalingPoint {
     /// Robots.
     pub robots: u32,
@@ -105,7 +106,7 @@ pub struct ScalingPoint {
 }
 
 /// A coverage time against that of one robot.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SpeedUp {
     /// `t50_steps`, `t90_steps` or `t99_steps`.
     pub name: String,
@@ -127,7 +128,7 @@ pub struct SpeedUp {
 }
 
 /// t = a N^-b, by least squares of ln t on ln N over all runs that got there.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PowerLaw {
     /// `t50_steps`, `t90_steps` or `t99_steps`.
     pub name: String,
@@ -144,7 +145,7 @@ pub struct PowerLaw {
 }
 
 /// A mode of sharing against none, all else equal, over numbers of robots.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Sharing {
     /// `arena` or `radio`.
     pub mode: String,
@@ -157,7 +158,7 @@ pub struct Sharing {
 }
 
 /// The differences at one number of robots, paired by seed.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SharingPoint {
     /// Robots.
     pub robots: u32,

@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use arenas::Squares;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Serialize;
 use swarm::run::{CurveRow, MetricsLog};
 
@@ -33,6 +34,8 @@ pub struct RunFile {
     pub media_type: &'static str,
     /// How it is made.
     pub maker: Maker,
+    /// The schema of one that is JSON.
+    pub shape: Option<fn(&mut SchemaGenerator) -> Schema>,
     /// What it holds; empty where it is another format of the one before.
     pub holds: &'static str,
     /// Written only where the arena has movable objects.
@@ -67,6 +70,21 @@ pub struct Material<'a> {
     pub curve_points: Option<usize>,
 }
 
+impl RunFile {
+    /// What it holds, also where it is another format of the one before.
+    pub fn about(&self) -> &'static str {
+        let place = RUN_FILES
+            .iter()
+            .position(|file| std::ptr::eq(file, self))
+            .unwrap_or(0);
+        let before = RUN_FILES[..=place].iter().rev();
+        before
+            .map(|file| file.holds)
+            .find(|holds| !holds.is_empty())
+            .unwrap_or_default()
+    }
+}
+
 impl<'a> Material<'a> {
     /// Counts a square; zeros for a run that has none yet.
     fn grid(&self, counts: &'a [u32]) -> Cow<'a, [u32]> {
@@ -97,9 +115,18 @@ const fn form(
         route,
         media_type,
         maker,
+        shape: None,
         holds: "",
         needs_objects: false,
         is_dear: false,
+    }
+}
+
+/// A JSON file of this shape that only the service has.
+const fn json<T: JsonSchema>(route: &'static str, maker: Maker) -> RunFile {
+    RunFile {
+        shape: Some(SchemaGenerator::subschema_for::<T>),
+        ..form(None, Some(route), JSON, maker)
     }
 }
 
@@ -119,10 +146,8 @@ pub const RUN_FILES: &[RunFile] = &[
          the transition model, bytes and memory plan of the learners, SHA-256 of the final state",
     ),
     holding(
-        form(
-            None,
-            Some("curve"),
-            JSON,
+        json::<Vec<api::CurveRow>>(
+            "curve",
             Maker::Findings(|run| compact(&thinned(&run.findings.curve, run.curve_points))),
         ),
         "coverage after each epoch",
@@ -134,10 +159,8 @@ pub const RUN_FILES: &[RunFile] = &[
         Maker::Findings(|run| curve_csv(&run.findings.curve).into_bytes()),
     ),
     holding(
-        form(
-            None,
-            Some("metrics"),
-            JSON,
+        json::<api::Metrics>(
+            "metrics",
             Maker::Findings(|run| compact(&metrics_json(&run.findings.metrics, run.spec.step_s()))),
         ),
         "coverage, entropy, overlap, collisions, distance over time \
@@ -156,10 +179,8 @@ pub const RUN_FILES: &[RunFile] = &[
         Maker::Findings(|run| metrics_parquet(&run.findings.metrics, run.spec.step_s())),
     ),
     holding(
-        form(
-            None,
-            Some("objects"),
-            JSON,
+        json::<api::ObjectTracks>(
+            "objects",
             Maker::Findings(|run| {
                 let (arena, step_s) = (run.spec.arena(), run.spec.step_s());
                 compact(&objects_json(arena, &run.findings.tracks, step_s))
@@ -187,10 +208,8 @@ pub const RUN_FILES: &[RunFile] = &[
         "first entries, distance, learner's bytes and vectors that found no cluster, of each robot",
     ),
     holding(
-        form(
-            None,
-            Some("coverage"),
-            JSON,
+        json::<api::Coverage>(
+            "coverage",
             Maker::Findings(|run| {
                 let mask = (run.reachable)().unwrap_or_default();
                 compact(&coverage_json(run.spec.arena(), &run.visits(), &mask))

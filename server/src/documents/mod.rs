@@ -20,6 +20,7 @@ mod parts;
 mod placement;
 mod resolve;
 mod resolved;
+pub mod schemas;
 mod template_list;
 mod templates;
 

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use api::ProblemCode;
+use bytes::Bytes;
 use tokio::sync::Semaphore;
 
 use super::refusal::Refusal;
@@ -20,6 +21,8 @@ pub(super) struct App {
     pub(super) events: Arc<Hub>,
     /// Places for tables that are being made.
     pub(super) exports: Arc<Semaphore>,
+    /// The OpenAPI document as text.
+    pub(super) openapi: Bytes,
 }
 
 impl App {

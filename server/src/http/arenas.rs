@@ -1,19 +1,20 @@
 //! `/v1/arenas`: list, upload, show, draw, delete.
 
-use api::{ArenaListing, ProblemCode};
+use api::ProblemCode::{ArenaBuiltIn, ArenaInUse, ArenaNameTaken, ArenaNotFound, ArenasFull};
+use api::{ArenaList, ArenaListing};
 use arenas::{Arena, SvgOptions, render_svg};
+use axum::Json;
 use axum::body::Bytes;
 use axum::extract::{Path, State};
 use axum::http::header::{CONTENT_TYPE, LOCATION};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
-use axum::routing::get;
-use axum::{Json, Router};
-use serde_json::json;
 
 use super::App;
+use super::operation::{JSON, Operation, Shape};
 use super::refusal::Refusal;
 use super::request::{parse, said_to_be_json};
+use super::routes::Routes;
 use crate::documents::{ArenaSource, BuiltinArenas, read_arena};
 use crate::scheduler::StoredArenas;
 use crate::store::{ArenaDeletion, StoredArena};
@@ -21,14 +22,56 @@ use crate::store::{ArenaDeletion, StoredArena};
 /// Most arenas that are kept.
 const MAX_UPLOADED: u32 = 1_000;
 
-pub fn routes() -> Router<App> {
-    Router::new()
-        .route("/arenas", get(list).post(create))
-        .route("/arenas/{name}", get(show).delete(delete))
+pub fn routes() -> Routes {
+    let arena = Some(Shape::Document("Arena"));
+    Routes::new()
+        .get(
+            "/arenas",
+            list,
+            Operation::new(
+                "listArenas",
+                "Arenas: built-in ones, then uploaded ones by name",
+            )
+            .shows::<ArenaList>("All of them."),
+        )
+        .post(
+            "/arenas",
+            create,
+            Operation::new("createArena", "Upload an arena")
+                .details("Generated walls are written out. The very same arena again is no error.")
+                .takes(Shape::Document("Arena"))
+                .creates::<ArenaListing>(201, "The arena is stored.")
+                .creates::<ArenaListing>(200, "The very same arena was stored already.")
+                .refuses(&[ArenaNameTaken, ArenasFull]),
+        )
+        .get(
+            "/arenas/{name}",
+            show,
+            Operation::new("getArena", "An arena as it would be written")
+                .answers(200, "The arena.", JSON, arena)
+                .refuses(&[ArenaNotFound]),
+        )
+        .also_read_as(
+            "/arenas/{name}.svg",
+            Operation::new("getArenaSvg", "An arena drawn")
+                .details("Unless an arena has this very name, `.svg` included.")
+                .answers(200, "The drawing.", "image/svg+xml", None)
+                .refuses(&[ArenaNotFound]),
+        )
+        .delete(
+            "/arenas/{name}",
+            delete,
+            Operation::new(
+                "deleteArena",
+                "Delete an uploaded arena that no stored run uses",
+            )
+            .answers_nothing("It is deleted.")
+            .refuses(&[ArenaNotFound, ArenaInUse, ArenaBuiltIn]),
+        )
 }
 
 /// `GET /v1/arenas`: those that ship with the program, then uploaded ones by name.
-async fn list(State(app): State<App>) -> Result<Response, Refusal> {
+async fn list(State(app): State<App>) -> Result<Json<ArenaList>, Refusal> {
     app.blocking(|app| {
         let mut items: Vec<ArenaListing> = BuiltinArenas
             .names()
@@ -37,7 +80,7 @@ async fn list(State(app): State<App>) -> Result<Response, Refusal> {
             .map(|arena| listing(app, &arena, true))
             .collect();
         items.extend(app.store.arenas()?);
-        Ok(Json(json!({ "items": items })).into_response())
+        Ok(Json(ArenaList { items }))
     })
     .await
 }
@@ -54,7 +97,7 @@ async fn create(
         let name = arena.name().to_owned();
         if BuiltinArenas.arena(&name).is_some() {
             let detail = format!("{name} is the name of a built-in arena");
-            return Err(Refusal::new(ProblemCode::ArenaNameTaken, detail));
+            return Err(Refusal::new(ArenaNameTaken, detail));
         }
         let listing = listing(app, &arena, false);
         let body = text(&arena)?;
@@ -81,7 +124,7 @@ async fn show(State(app): State<App>, Path(name): Path<String>) -> Result<Respon
         let arenas = StoredArenas::new(&app.store);
         // Names may hold dots, so an arena called `x.svg` comes before the drawing of `x`.
         if let Some(arena) = arenas.arena(&name) {
-            return Ok(([(CONTENT_TYPE, "application/json")], text(&arena)?).into_response());
+            return Ok(([(CONTENT_TYPE, JSON)], text(&arena)?).into_response());
         }
         match name
             .strip_suffix(".svg")
@@ -91,11 +134,7 @@ async fn show(State(app): State<App>, Path(name): Path<String>) -> Result<Respon
                 let svg = render_svg(&arena, &SvgOptions::default());
                 Ok(([(CONTENT_TYPE, "image/svg+xml")], svg).into_response())
             }
-            None => Err(Refusal::not_found(
-                ProblemCode::ArenaNotFound,
-                "arena",
-                &name,
-            )),
+            None => Err(Refusal::not_found(ArenaNotFound, "arena", &name)),
         }
     })
     .await
@@ -106,17 +145,13 @@ async fn delete(State(app): State<App>, Path(name): Path<String>) -> Result<Stat
     app.blocking(move |app| {
         if BuiltinArenas.arena(&name).is_some() {
             let detail = "a built-in arena cannot be deleted";
-            return Err(Refusal::new(ProblemCode::ArenaBuiltIn, detail));
+            return Err(Refusal::new(ArenaBuiltIn, detail));
         }
         match app.store.delete_arena(&name)? {
             ArenaDeletion::Deleted => Ok(StatusCode::NO_CONTENT),
-            ArenaDeletion::Unknown => Err(Refusal::not_found(
-                ProblemCode::ArenaNotFound,
-                "arena",
-                &name,
-            )),
+            ArenaDeletion::Unknown => Err(Refusal::not_found(ArenaNotFound, "arena", &name)),
             ArenaDeletion::InUse { runs } => Err(Refusal::new(
-                ProblemCode::ArenaInUse,
+                ArenaInUse,
                 format!("{runs} stored runs use this arena; delete their jobs first"),
             )),
         }

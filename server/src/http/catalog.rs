@@ -1,17 +1,34 @@
 //! `/v1/controllers`, `/v1/templates`, `/v1/version`: what jobs can be made of, and by which program.
 
-use api::{ControllerListing, Version};
-use axum::routing::get;
-use axum::{Json, Router};
-use serde_json::{Value, json};
+use api::{ControllerListing, TemplateList, Version};
+use axum::Json;
 
-use super::App;
+use super::operation::Operation;
+use super::routes::Routes;
 
-pub fn routes() -> Router<App> {
-    Router::new()
-        .route("/controllers", get(controllers))
-        .route("/templates", get(templates))
-        .route("/version", get(version))
+pub fn routes() -> Routes {
+    Routes::new()
+        .get(
+            "/controllers",
+            controllers,
+            Operation::new("listControllers", "Methods and parameters")
+                .details("Each parameter with its default, range, unit and source.")
+                .shows::<ControllerListing>("All that `controller` and `robot` may hold."),
+        )
+        .get(
+            "/templates",
+            templates,
+            Operation::new("listTemplates", "Prepared jobs").shows::<TemplateList>("All of them."),
+        )
+        .get(
+            "/version",
+            version,
+            Operation::new(
+                "getVersion",
+                "Version of the program, of results and of documents",
+            )
+            .shows::<Version>("The versions."),
+        )
 }
 
 /// `GET /v1/controllers`: methods, and parameters with default, range, unit and source.
@@ -29,6 +46,8 @@ async fn version() -> Json<Version> {
 }
 
 /// `GET /v1/templates`: prepared jobs.
-async fn templates() -> Json<Value> {
-    Json(json!({ "items": crate::documents::templates() }))
+async fn templates() -> Json<TemplateList> {
+    Json(TemplateList {
+        items: crate::documents::templates(),
+    })
 }

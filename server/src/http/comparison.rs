@@ -3,16 +3,17 @@
 
 use api::comparison::Comparison;
 use api::curves::JobCurves;
+use axum::Json;
 use axum::extract::State;
 use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse, Response};
-use axum::routing::get;
-use axum::{Json, Router};
 
 use super::App;
 use super::extract::FoundJob;
-use super::query::Query;
+use super::operation::{Operation, camel};
+use super::query::{Parameter, Query};
 use super::refusal::Refusal;
+use super::routes::Routes;
 use crate::store::JobView;
 use crate::summary::comparison::{DEFAULT_MEASURE, csv, markdown};
 use crate::summary::curves::Wanted;
@@ -25,25 +26,62 @@ const TEXTS: [ComparisonText; 2] = [
     ("md", "text/markdown; charset=utf-8", markdown),
 ];
 
+const MEASURE: Parameter = Parameter::text(
+    "measure",
+    "What is compared: `p1_fraction` unless it says otherwise, or another measure of the summary.",
+);
+const BY: Parameter = Parameter::text(
+    "by",
+    "Dotted path of the run spec whose values are the groups; else each combination is one.",
+);
 /// What curves show.
-const LEVELS: [(&str, &str); 4] = [("p1", "p1"), ("p2", "p2"), ("p5", "p5"), ("p10", "p10")];
-/// Points of a curve unless it is said how many.
-const POINTS: i64 = 200;
-const MAX_POINTS: i64 = 500;
+const LEVEL: Parameter = Parameter::word(
+    "measure",
+    &["p1", "p2", "p5", "p10"],
+    "Squares entered at least so often.",
+);
+const X: Parameter = Parameter::word("x", &["epoch"], "What curves run over.");
+const POINTS: Parameter = Parameter::whole("points", (2, 500), "Most points of a curve.").or(200);
+const RUNS: Parameter = Parameter::word(
+    "runs",
+    &["false", "true"],
+    "Whether the curves of single runs come too.",
+);
 
-pub fn routes() -> Router<App> {
-    let mut router = Router::new()
-        .route("/jobs/{id}/comparison", get(comparison))
-        .route("/jobs/{id}/curves", get(curves));
+pub fn routes() -> Routes {
+    let mut routes = Routes::new()
+        .get(
+            "/jobs/{id}/comparison",
+            comparison,
+            Operation::new(
+                "compareJob",
+                "A job's groups against each other, and which is best",
+            )
+            .query(&[MEASURE, BY])
+            .shows::<Comparison>("The comparison of what is done."),
+        )
+        .get(
+            "/jobs/{id}/curves",
+            curves,
+            Operation::new("getJobCurves", "Coverage over epochs, pooled by group")
+                .query(&[LEVEL, X, BY, POINTS, RUNS])
+                .shows::<JobCurves>("The curves of what is done."),
+        );
     for (end, media_type, text) in TEXTS {
         let show = async move |State(app): State<App>, FoundJob(job), query: Query| {
             let comparison = compared(app, job, &query).await?;
             let text = text(&comparison);
             Ok::<Response, Refusal>(([(CONTENT_TYPE, media_type)], text).into_response())
         };
-        router = router.route(&format!("/jobs/{{id}}/comparison.{end}"), get(show));
+        let told = Operation::new(
+            format!("compareJob{}", camel(end)),
+            "A job's groups against each other, as text",
+        );
+        let told = told.query(&[MEASURE, BY]);
+        let told = told.answers(200, "The comparison of what is done.", media_type, None);
+        routes = routes.get(&format!("/jobs/{{id}}/comparison.{end}"), show, told);
     }
-    router
+    routes
 }
 
 /// `GET /v1/jobs/{id}/comparison`.
@@ -56,7 +94,7 @@ async fn comparison(
 }
 
 async fn compared(app: App, job: JobView, query: &Query) -> Result<Comparison, Refusal> {
-    let (measure, by) = (query.text("measure")?, query.text("by")?);
+    let (measure, by) = (query.text(&MEASURE)?, query.text(&BY)?);
     app.blocking(move |app| {
         let measure = measure.as_deref().unwrap_or(DEFAULT_MEASURE);
         Ok(app.findings.comparison(&job, measure, by.as_deref())?)
@@ -70,17 +108,19 @@ async fn curves(
     FoundJob(job): FoundJob,
     query: Query,
 ) -> Result<Json<JobCurves>, Refusal> {
-    let measure = query.one_of("measure", &LEVELS)?.unwrap_or("p1");
-    query.one_of("x", &[("epoch", ())])?;
-    let by = query.text("by")?;
-    let points = query.number("points", 2, MAX_POINTS)?.unwrap_or(POINTS);
-    let runs = query.one_of("runs", &[("true", true), ("false", false)])?;
+    let measure = query.word(&LEVEL)?.unwrap_or("p1");
+    query.word(&X)?;
+    let by = query.text(&BY)?;
+    let points = query.number(&POINTS)?;
+    let runs = query.word(&RUNS)? == Some("true");
     app.blocking(move |app| {
         let wanted = Wanted {
             measure,
             by: by.as_deref(),
-            points: usize::try_from(points).unwrap_or(usize::MAX),
-            runs: runs.unwrap_or(false),
+            points: points
+                .and_then(|points| points.try_into().ok())
+                .unwrap_or(usize::MAX),
+            runs,
         };
         Ok(Json(app.findings.curves(&job, wanted)?))
     })

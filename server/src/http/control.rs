@@ -1,41 +1,121 @@
 //! Control of single runs (pause, resume, retry, step, extend, delete, their log), and of jobs what
 //! is beyond posting and stopping them: extend, priority, document.
 
-use api::{Job, ProblemCode, RunLog, RunLogEntry, RunSummary};
+use api::ProblemCode::{
+    AlreadyEnded, DocumentNotKept, HeldByJob, JobTooLarge, KeyReused, KeyUnderWay, NotEnded,
+    NotPaused, QueueFull,
+};
+use api::control::{MAX_MORE_EPOCHS, MAX_MORE_SEEDS, MAX_PRIORITY};
+use api::{Epochs, ExtendJob, Job, Priority, ProblemCode, RunLog, RunLogEntry, RunSummary};
+use axum::Json;
 use axum::body::Bytes;
 use axum::extract::State;
 use axum::http::header::{CONTENT_TYPE, LOCATION};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
-use axum::routing::{delete, get, post};
-use axum::{Json, Router};
 
 use super::App;
 use super::extract::{FoundJob, FoundRun};
+use super::operation::{JSON, Operation, Shape};
 use super::refusal::Refusal;
 use super::request::{parse, said_to_be_json};
-use crate::documents::{MAX_EPOCHS, one_number};
+use super::routes::Routes;
+use crate::documents::one_number;
 use crate::findings::views;
 use crate::scheduler::ControlError;
 use crate::store::{JobView, RunView};
 
-/// Most seeds that a job is extended by at once.
-const MAX_MORE_SEEDS: i64 = 10_000;
-/// Largest priority, and the smallest below 0.
-const MAX_PRIORITY: i64 = 1_000;
+pub fn routes() -> Routes {
+    Routes::new()
+        .post(
+            "/jobs/{id}/extend",
+            extend_job,
+            Operation::new("extendJob", "More seeds in each combination of a job")
+                .details("The seeds follow the largest that there is; runs that are there stay.")
+                .takes(Shape::of::<ExtendJob>())
+                .shows::<Job>("The job as it is then.")
+                .refuses(&[
+                    AlreadyEnded,
+                    DocumentNotKept,
+                    KeyUnderWay,
+                    JobTooLarge,
+                    QueueFull,
+                ]),
+        )
+        .post(
+            "/jobs/{id}/priority",
+            priority,
+            Operation::new("setJobPriority", "Put a job before or behind others")
+                .details("Waiting runs of higher priority come first; what runs is not stopped.")
+                .takes(Shape::of::<Priority>())
+                .shows::<Job>("The job as it is then."),
+        )
+        .get(
+            "/jobs/{id}/document",
+            document,
+            Operation::new("getJobDocument", "A job as it was posted")
+                .details("With the seeds that it was extended by.")
+                .answers(200, "The document.", JSON, Some(Shape::Document("JobSpec")))
+                .refuses(&[DocumentNotKept]),
+        )
+        .delete(
+            "/runs/{id}",
+            delete_run,
+            Operation::new("deleteRun", "Delete a run in every job that has it")
+                .answers_nothing("It is deleted."),
+        )
+        .post(
+            "/runs/{id}/pause",
+            pause_run,
+            changes("pauseRun", "Hold a run").refuses(&[AlreadyEnded]),
+        )
+        .post(
+            "/runs/{id}/resume",
+            resume_run,
+            changes("resumeRun", "Go on with a run that is paused")
+                .refuses(&[AlreadyEnded, HeldByJob]),
+        )
+        .post(
+            "/runs/{id}/retry",
+            retry_run,
+            changes(
+                "retryRun",
+                "Run a failed or cancelled run again, from its beginning",
+            )
+            .refuses(&[AlreadyEnded, NotEnded, HeldByJob, QueueFull, JobTooLarge]),
+        )
+        .post(
+            "/runs/{id}/step",
+            step_run,
+            changes(
+                "stepRun",
+                "So many epochs of a paused run, which pauses again then",
+            )
+            .takes(Shape::of::<Epochs>())
+            .refuses(&[AlreadyEnded, NotPaused, HeldByJob]),
+        )
+        .post(
+            "/runs/{id}/extend",
+            extend_run,
+            Operation::new("extendRun", "A job of one run: this one with more epochs")
+                .details("Its first epochs are those of the shorter run to the last bit.")
+                .takes(Shape::of::<Epochs>())
+                .creates::<Job>(201, "The job.")
+                .refuses(&[KeyUnderWay, KeyReused, JobTooLarge, QueueFull]),
+        )
+        .get(
+            "/runs/{id}/log",
+            log,
+            Operation::new(
+                "getRunLog",
+                "What was changed of a run from outside, and when",
+            )
+            .shows::<RunLog>("The log."),
+        )
+}
 
-pub fn routes() -> Router<App> {
-    Router::new()
-        .route("/jobs/{id}/extend", post(extend_job))
-        .route("/jobs/{id}/priority", post(priority))
-        .route("/jobs/{id}/document", get(document))
-        .route("/runs/{id}", delete(delete_run))
-        .route("/runs/{id}/pause", post(pause_run))
-        .route("/runs/{id}/resume", post(resume_run))
-        .route("/runs/{id}/retry", post(retry_run))
-        .route("/runs/{id}/step", post(step_run))
-        .route("/runs/{id}/extend", post(extend_run))
-        .route("/runs/{id}/log", get(log))
+fn changes(id: &str, about: &str) -> Operation {
+    Operation::new(id, about).shows::<RunSummary>("The run as it is then.")
 }
 
 impl From<ControlError> for Refusal {
@@ -63,7 +143,7 @@ async fn extend_job(
 ) -> Result<Json<Job>, Refusal> {
     said_to_be_json(&headers)?;
     on_job(app, job, move |app, job| {
-        let more = number(&body, "seeds", (1, MAX_MORE_SEEDS))?;
+        let more = number(&body, "seeds", (1, i64::from(MAX_MORE_SEEDS)))?;
         app.scheduler.extend_job(job, more as u64)?;
         Ok::<_, Refusal>(())
     })
@@ -79,7 +159,8 @@ async fn priority(
 ) -> Result<Json<Job>, Refusal> {
     said_to_be_json(&headers)?;
     on_job(app, job, move |app, job| {
-        let priority = number(&body, "priority", (-MAX_PRIORITY, MAX_PRIORITY))?;
+        let most = i64::from(MAX_PRIORITY);
+        let priority = number(&body, "priority", (-most, most))?;
         app.scheduler.set_priority(job.seq, priority as i32)?;
         Ok::<_, Refusal>(())
     })
@@ -129,7 +210,7 @@ async fn step_run(
 ) -> Result<Json<RunSummary>, Refusal> {
     said_to_be_json(&headers)?;
     on_run(app, run, move |app, run| {
-        let epochs = number(&body, "epochs", (1, MAX_EPOCHS as i64))?;
+        let epochs = number(&body, "epochs", (1, i64::from(MAX_MORE_EPOCHS)))?;
         app.scheduler.step_run(run, epochs as u32)?;
         Ok::<_, Refusal>(())
     })
@@ -145,7 +226,7 @@ async fn extend_run(
 ) -> Result<Response, Refusal> {
     said_to_be_json(&headers)?;
     app.blocking(move |app| {
-        let epochs = number(&body, "epochs", (1, MAX_EPOCHS as i64))?;
+        let epochs = number(&body, "epochs", (1, i64::from(MAX_MORE_EPOCHS)))?;
         let seq = app.scheduler.extend_run(&run, epochs as u32)?;
         let shown = views::job(&app.job(seq)?, &app.scheduler);
         let location = [(LOCATION, format!("/v1/jobs/{}", shown.id))];

@@ -3,18 +3,19 @@
 use std::convert::Infallible;
 use std::time::Duration;
 
-use api::ProblemCode;
-use axum::Router;
+use api::ProblemCode::{self, TooManyListeners};
 use axum::extract::State;
 use axum::http::HeaderMap;
 use axum::response::sse::{Event, KeepAlive, Sse};
 use axum::response::{IntoResponse, Response};
-use axum::routing::get;
 use futures_util::stream::{self, Stream, StreamExt};
+use serde_json::json;
 
 use super::App;
 use super::extract::{FoundJob, FoundRun};
+use super::operation::{EVENTS, Operation};
 use super::refusal::Refusal;
+use super::routes::Routes;
 use crate::events::{Feed, Told};
 use crate::store::Subject;
 
@@ -25,10 +26,35 @@ const KEEP_ALIVE: Duration = Duration::from_secs(15);
 /// Longest time of a stream; whoever listens on asks again, with the id of the last event.
 const LIFE: Duration = Duration::from_secs(60 * 60);
 
-pub fn routes() -> Router<App> {
-    Router::new()
-        .route("/jobs/{id}/events", get(of_job))
-        .route("/runs/{id}/events", get(of_run))
+pub fn routes() -> Routes {
+    Routes::new()
+        .get(
+            "/jobs/{id}/events",
+            of_job,
+            listening("listenToJob", "Events of a job"),
+        )
+        .get(
+            "/runs/{id}/events",
+            of_run,
+            listening("listenToRun", "Events of a run"),
+        )
+}
+
+fn listening(id: &str, about: &str) -> Operation {
+    Operation::new(id, about)
+        .details(
+            "Server-sent events. The name of an event is the `event` of the schema `Event`, its \
+             data the `data`, as JSON. Every change of state comes, in order, with an id; of the \
+             others a slow listener misses some.",
+        )
+        .header(
+            "Last-Event-ID",
+            "Id of the last event that was heard: goes on behind it.",
+            json!({ "type": "string", "pattern": "^[0-9]{1,18}$" }),
+        )
+        .answers(200, "A stream of at most an hour.", EVENTS, None)
+        .streamed()
+        .refuses(&[TooManyListeners])
 }
 
 async fn of_job(

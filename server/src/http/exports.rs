@@ -6,13 +6,11 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use api::ProblemCode;
-use axum::Router;
 use axum::body::Body;
 use axum::extract::State;
 use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE};
 use axum::http::{HeaderName, HeaderValue};
 use axum::response::{IntoResponse, Response};
-use axum::routing::get;
 use bytes::Bytes;
 use futures_util::stream::{self, StreamExt};
 use tokio::runtime::Handle;
@@ -20,7 +18,9 @@ use tokio::sync::{Semaphore, mpsc};
 
 use super::App;
 use super::extract::FoundJob;
+use super::operation::{Operation, camel};
 use super::refusal::Refusal;
+use super::routes::Routes;
 use crate::exports::{self, ExportError, Table};
 use crate::store::JobView;
 use crate::tables::Form;
@@ -34,13 +34,22 @@ const PARTS: usize = 4;
 const LONGEST: Duration = Duration::from_secs(15 * 60);
 const PART_TIME: Duration = Duration::from_secs(60);
 
-pub fn routes() -> Router<App> {
+pub fn routes() -> Routes {
     Table::ALL
         .into_iter()
-        .fold(Router::new(), |router, (table, form)| {
+        .fold(Routes::new(), |routes, (table, form)| {
             let show = move |State(app): State<App>, FoundJob(job)| show(app, job, table, form);
             let end = format!("{}.{}", table.name(), form.suffix());
-            router.route(&format!("/jobs/{{id}}/{end}"), get(show))
+            let told = Operation::new(
+                format!("getJob{}", camel(&end)),
+                format!("What a job's runs found, as a table: {}", table.name()),
+            );
+            let told = told
+                .details("Columns are told in docs/exports.md. Sent as it is made.")
+                .answers(200, "The table.", form.media_type(), None)
+                .streamed()
+                .refuses(&[ProblemCode::TableTooLong]);
+            routes.get(&format!("/jobs/{{id}}/{end}"), show, told)
         })
 }
 

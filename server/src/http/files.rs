@@ -1,37 +1,56 @@
 //! `/v1/runs/{id}/...`: what a run has found, in every format of the table of a run's files.
 
-use axum::Router;
+use api::ProblemCode::FindingsNotKept;
 use axum::extract::State;
 use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE, ETAG};
 use axum::http::{HeaderMap, HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
-use axum::routing::get;
 use serde::Serialize;
 
 use super::App;
 use super::conditional::is_known;
 use super::extract::FoundRun;
-use super::query::Query;
+use super::operation::{Operation, Shape, camel};
+use super::query::{Parameter, Query};
 use super::refusal::Refusal;
+use super::routes::Routes;
 use crate::artifacts::{Maker, RUN_FILES, RunFile};
 use crate::store::RunView;
 
-/// Most rows that a thinned curve may have.
-const MAX_POINTS: i64 = 10_000;
+const POINTS: Parameter = Parameter::whole(
+    "points",
+    (2, 10_000),
+    "Most rows, evenly spread, the last always there; all unless it says otherwise.",
+);
 
 /// A route for each file that is made of findings.
-pub fn routes() -> Router<App> {
+pub fn routes() -> Routes {
     let files = RUN_FILES
         .iter()
         .filter(|file| matches!(file.maker, Maker::Findings(_)));
     files.filter_map(|file| Some((file.route?, file))).fold(
-        Router::new(),
-        |router, (route, file)| {
-            let show =
-                move |State(app): State<App>, FoundRun(run), query: Query, headers: HeaderMap| {
-                    show(app, run, file, query, headers)
+        Routes::new(),
+        |routes, (route, file)| {
+            let is_thinned = route == "curve";
+            let show = async move |State(app): State<App>, FoundRun(run), query: Query, headers| {
+                let points = if is_thinned {
+                    query.number(&POINTS)?
+                } else {
+                    None
                 };
-            router.route(&format!("/runs/{{id}}/{route}"), get(show))
+                show(app, run, file, points, headers).await
+            };
+            let told = Operation::new(format!("getRun{}", camel(route)), file.about())
+                .details("Of a run that is under way: what it has found so far.")
+                .query(if is_thinned { &[POINTS] } else { &[] })
+                .answers(
+                    200,
+                    "The file.",
+                    file.media_type,
+                    file.shape.map(Shape::Type),
+                )
+                .refuses(&[FindingsNotKept]);
+            routes.get(&format!("/runs/{{id}}/{route}"), show, told)
         },
     )
 }
@@ -41,10 +60,9 @@ async fn show(
     app: App,
     run: RunView,
     file: &'static RunFile,
-    query: Query,
+    points: Option<i64>,
     headers: HeaderMap,
 ) -> Result<Response, Refusal> {
-    let points = query.number("points", 2, MAX_POINTS)?;
     let points = points.and_then(|points| usize::try_from(points).ok());
     app.blocking(move |app| {
         let header = |tag: &str| HeaderValue::try_from(format!("\"{tag}\""));

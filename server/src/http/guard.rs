@@ -22,7 +22,7 @@ use super::access::{Failures, Right, Tokens};
 use super::body::Bodies;
 use super::connections::Connection;
 use super::refusal::Refusal;
-use super::{health, page, problems};
+use super::{contract, health, page, problems};
 
 /// Requests answered at a time.
 const MAX_CONCURRENT: usize = 128;
@@ -149,7 +149,10 @@ async fn admitted(gate: &Gate, request: Request, next: Next) -> Result<Response,
 
 /// Whether a route tells nothing of jobs, so that no token is needed.
 fn is_open(path: &str) -> bool {
-    page::is_asset(path) || health::is_health(path) || problems::is_problem(path)
+    page::is_asset(path)
+        || health::is_health(path)
+        || problems::is_problem(path)
+        || contract::is_contract(path)
 }
 
 fn is_submission(request: &Request) -> bool {

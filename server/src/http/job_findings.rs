@@ -1,16 +1,18 @@
 //! `/v1/jobs/{id}/summary` and `/report`: what a job has found, in every format.
 
 use api::JobSummary;
+use api::ProblemCode::{ReportNotFound, ReportNotReady};
+use axum::Json;
 use axum::extract::State;
 use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse, Response};
-use axum::routing::get;
-use axum::{Json, Router};
 
 use super::App;
 use super::extract::FoundJob;
+use super::operation::{JSON, Operation, Shape, camel};
 use super::refusal::Refusal;
-use crate::reproduce::Report;
+use super::routes::Routes;
+use crate::reproduce::{Claims, Report};
 use crate::summary::{csv, markdown};
 
 /// Formats of a summary, by the end of the route.
@@ -25,7 +27,7 @@ const SUMMARIES: [SummaryText; 2] = [
 type ReportText = (&'static str, &'static str, fn(&Report) -> &str);
 
 const REPORTS: [ReportText; 4] = [
-    ("report", "application/json", |report| &report.claims_json),
+    ("report", JSON, |report| &report.claims_json),
     ("report.html", "text/html; charset=utf-8", |report| {
         &report.html
     }),
@@ -37,8 +39,13 @@ const REPORTS: [ReportText; 4] = [
     }),
 ];
 
-pub fn routes() -> Router<App> {
-    let mut router = Router::new().route("/jobs/{id}/summary", get(summary));
+pub fn routes() -> Routes {
+    let mut routes = Routes::new().get(
+        "/jobs/{id}/summary",
+        summary,
+        Operation::new("getJobSummary", "A job's runs pooled over seeds")
+            .shows::<JobSummary>("The summary of what is done."),
+    );
     for (end, media_type, text) in SUMMARIES {
         let show = async move |State(app): State<App>, FoundJob(job)| {
             app.blocking(move |app| {
@@ -47,7 +54,12 @@ pub fn routes() -> Router<App> {
             })
             .await
         };
-        router = router.route(&format!("/jobs/{{id}}/{end}"), get(show));
+        let told = Operation::new(
+            format!("getJob{}", camel(end)),
+            "A job's runs pooled over seeds, as text",
+        );
+        let told = told.answers(200, "The summary of what is done.", media_type, None);
+        routes = routes.get(&format!("/jobs/{{id}}/{end}"), show, told);
     }
     for (end, media_type, text) in REPORTS {
         let show =
@@ -59,9 +71,16 @@ pub fn routes() -> Router<App> {
                 })
                 .await
             };
-        router = router.route(&format!("/jobs/{{id}}/{end}"), get(show));
+        let shape = (media_type == JSON).then_some(Shape::of::<Claims>());
+        let told = Operation::new(
+            format!("getJob{}", camel(end)),
+            "The report on the thesis's chapter 5",
+        );
+        let told = told.answers(200, "The report.", media_type, shape);
+        let told = told.refuses(&[ReportNotFound, ReportNotReady]);
+        routes = routes.get(&format!("/jobs/{{id}}/{end}"), show, told);
     }
-    router
+    routes
 }
 
 /// `GET /v1/jobs/{id}/summary`.

@@ -1,33 +1,108 @@
 //! `/v1/jobs`: post, list, show, pause, resume, cancel, delete, and a job's runs.
 
-use api::{JobPage, RunPage};
+use api::ProblemCode::{AlreadyEnded, JobTooLarge, KeyReused, KeyUnderWay, NotEnded, QueueFull};
+use api::{Job, JobPage, RunPage};
+use axum::Json;
 use axum::body::Bytes;
 use axum::extract::State;
 use axum::http::header::LOCATION;
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
-use axum::routing::{get, post};
-use axum::{Json, Router};
 
 use super::App;
 use super::extract::FoundJob;
-use super::query::Query;
+use super::operation::{Operation, Shape, key_schema};
+use super::query::{CURSOR, LIMIT, Parameter, Query, STATE};
 use super::refusal::Refusal;
-use super::request::{idempotency_key, parse, said_to_be_json};
+use super::request::{MAX_KEY_BYTES, idempotency_key, parse, said_to_be_json};
+use super::routes::Routes;
 use crate::documents::{expand, run_count};
 use crate::findings::views;
 use crate::scheduler::{StoredArenas, new_job};
 use crate::store::{Created, Intent, JobFilter, JobKey, JobRequest, JobView};
 
-pub fn routes() -> Router<App> {
-    Router::new()
-        .route("/jobs", get(list).post(create))
-        .route("/jobs/{id}", get(show).delete(delete))
-        .route("/jobs/{id}/runs", get(runs))
-        .route("/jobs/{id}/cancel", post(cancel))
-        .route("/jobs/{id}/pause", post(pause))
-        .route("/jobs/{id}/resume", post(resume))
-        .route("/jobs/{id}/retry", post(retry))
+const Q: Parameter = Parameter::text("q", "Words that the name has, in any case.");
+const ORDER: Parameter = Parameter::word("order", &["newest", "oldest"], "Which come first.");
+
+pub fn routes() -> Routes {
+    Routes::new()
+        .get(
+            "/jobs",
+            list,
+            Operation::new("listJobs", "Jobs, newest first")
+                .query(&[LIMIT, CURSOR, STATE, Q, ORDER])
+                .shows::<JobPage>("A page of jobs."),
+        )
+        .post(
+            "/jobs",
+            create,
+            Operation::new("createJob", "Post a job")
+                .details(
+                    "A job is stored before it is answered. The same body posted again with the \
+                     same `Idempotency-Key` answers with the job that there is.",
+                )
+                .header(
+                    "Idempotency-Key",
+                    "Any text; with it a request can be sent again without making a second job.",
+                    key_schema(MAX_KEY_BYTES),
+                )
+                .takes(Shape::Document("JobSpec"))
+                .creates::<Job>(201, "The job.")
+                .refuses(&[KeyUnderWay, KeyReused, JobTooLarge, QueueFull]),
+        )
+        .get(
+            "/jobs/{id}",
+            show,
+            Operation::new("getJob", "A job").shows::<Job>("The job."),
+        )
+        .delete(
+            "/jobs/{id}",
+            delete,
+            Operation::new("deleteJob", "Delete a job, whatever its state")
+                .details("With the runs and results that no other job has.")
+                .answers_nothing("It is deleted.")
+                .refuses(&[KeyUnderWay]),
+        )
+        .get(
+            "/jobs/{id}/runs",
+            runs,
+            Operation::new(
+                "listJobRuns",
+                "A job's runs, in order of their places in it",
+            )
+            .query(&[LIMIT, CURSOR])
+            .shows::<RunPage>("A page of runs."),
+        )
+        .post(
+            "/jobs/{id}/cancel",
+            cancel,
+            changes("cancelJob", "End what is left of a job").refuses(&[AlreadyEnded]),
+        )
+        .post(
+            "/jobs/{id}/pause",
+            pause,
+            changes("pauseJob", "Hold what is left of a job").refuses(&[AlreadyEnded]),
+        )
+        .post(
+            "/jobs/{id}/resume",
+            resume,
+            changes("resumeJob", "Go on with a job that is paused")
+                .details("Also with those of its runs that were paused one by one.")
+                .refuses(&[AlreadyEnded]),
+        )
+        .post(
+            "/jobs/{id}/retry",
+            retry,
+            changes(
+                "retryJob",
+                "Run again what failed or was cancelled, from its beginning",
+            )
+            .refuses(&[AlreadyEnded, NotEnded, QueueFull, JobTooLarge]),
+        )
+}
+
+fn changes(id: &str, about: &str) -> Operation {
+    Operation::new(id, about).shows::<Job>("The job as it is then.")
 }
 
 /// `POST /v1/jobs`.
@@ -63,11 +138,10 @@ async fn create(
 /// `GET /v1/jobs`: newest first unless it says otherwise, of a state or with words in their name.
 async fn list(State(app): State<App>, query: Query) -> Result<Json<JobPage>, Refusal> {
     let page = query.page()?;
-    let orders = [("newest", false), ("oldest", true)];
     let filter = JobFilter {
         state: query.state()?,
-        name_has: query.text("q")?,
-        oldest_first: query.one_of("order", &orders)?.unwrap_or(false),
+        name_has: query.text(&Q)?,
+        oldest_first: query.word(&ORDER)? == Some("oldest"),
     };
     app.blocking(move |app| {
         let after = page.cursor.map(JobKey);
@@ -82,7 +156,7 @@ async fn list(State(app): State<App>, query: Query) -> Result<Json<JobPage>, Ref
 }
 
 /// `GET /v1/jobs/{id}`.
-async fn show(State(app): State<App>, FoundJob(job): FoundJob) -> Json<api::Job> {
+async fn show(State(app): State<App>, FoundJob(job): FoundJob) -> Json<Job> {
     Json(views::job(&job, &app.scheduler))
 }
 
@@ -111,28 +185,22 @@ async fn runs(
 }
 
 /// `POST /v1/jobs/{id}/cancel`.
-async fn cancel(
-    State(app): State<App>,
-    FoundJob(job): FoundJob,
-) -> Result<Json<api::Job>, Refusal> {
+async fn cancel(State(app): State<App>, FoundJob(job): FoundJob) -> Result<Json<Job>, Refusal> {
     want(app, job, Intent::Cancelled).await
 }
 
 /// `POST /v1/jobs/{id}/pause`.
-async fn pause(State(app): State<App>, FoundJob(job): FoundJob) -> Result<Json<api::Job>, Refusal> {
+async fn pause(State(app): State<App>, FoundJob(job): FoundJob) -> Result<Json<Job>, Refusal> {
     want(app, job, Intent::Paused).await
 }
 
 /// `POST /v1/jobs/{id}/resume`: also its runs that were paused one by one.
-async fn resume(
-    State(app): State<App>,
-    FoundJob(job): FoundJob,
-) -> Result<Json<api::Job>, Refusal> {
+async fn resume(State(app): State<App>, FoundJob(job): FoundJob) -> Result<Json<Job>, Refusal> {
     want(app, job, Intent::Active).await
 }
 
 /// `POST /v1/jobs/{id}/retry`: failed and cancelled runs wait again, from their beginning.
-async fn retry(State(app): State<App>, FoundJob(job): FoundJob) -> Result<Json<api::Job>, Refusal> {
+async fn retry(State(app): State<App>, FoundJob(job): FoundJob) -> Result<Json<Job>, Refusal> {
     app.blocking(move |app| {
         app.scheduler.try_again(&job)?;
         Ok(Json(views::job(&app.job(job.seq)?, &app.scheduler)))
@@ -150,7 +218,7 @@ async fn delete(State(app): State<App>, FoundJob(job): FoundJob) -> Result<Statu
 }
 
 /// Changes what is wanted of a job.
-async fn want(app: App, job: JobView, intent: Intent) -> Result<Json<api::Job>, Refusal> {
+async fn want(app: App, job: JobView, intent: Intent) -> Result<Json<Job>, Refusal> {
     app.blocking(move |app| {
         app.scheduler.want(&job, intent)?;
         Ok(Json(views::job(&app.job(job.seq)?, &app.scheduler)))

@@ -1,21 +1,34 @@
 //! `/problems`: what the codes of refusals mean. The `type` of a problem is a reference to here.
 
-use api::ProblemCode;
+use api::ProblemCode::{self, RouteNotFound};
+use api::{ProblemList, ProblemMeaning};
+use axum::Json;
 use axum::extract::Path;
-use axum::routing::get;
-use axum::{Json, Router};
-use serde_json::{Value, json};
 
-use super::App;
+use super::operation::Operation;
 use super::refusal::Refusal;
+use super::routes::Routes;
 
 /// Where the routes of this file are.
 const PREFIX: &str = "/problems";
 
-pub fn routes() -> Router<App> {
-    Router::new()
-        .route(PREFIX, get(list))
-        .route(&format!("{PREFIX}/{{code}}"), get(show))
+pub fn routes() -> Routes {
+    Routes::new()
+        .get(
+            PREFIX,
+            list,
+            Operation::new("listProblems", "Every kind of problem, by status")
+                .shows::<ProblemList>("All of them.")
+                .open(),
+        )
+        .get(
+            &format!("{PREFIX}/{{code}}"),
+            show,
+            Operation::new("getProblem", "What a kind of problem means")
+                .shows::<ProblemMeaning>("Its meaning.")
+                .refuses(&[RouteNotFound])
+                .open(),
+        )
 }
 
 /// Whether this is a path of this file.
@@ -25,24 +38,16 @@ pub fn is_problem(path: &str) -> bool {
 }
 
 /// `GET /problems`: all of them, by status.
-async fn list() -> Json<Value> {
-    let items: Vec<Value> = ProblemCode::ALL.iter().copied().map(told).collect();
-    Json(json!({ "items": items }))
+async fn list() -> Json<ProblemList> {
+    let items = ProblemCode::ALL.iter().copied();
+    Json(ProblemList {
+        items: items.map(ProblemMeaning::from).collect(),
+    })
 }
 
 /// `GET /problems/{code}`.
-async fn show(Path(code): Path<String>) -> Result<Json<Value>, Refusal> {
+async fn show(Path(code): Path<String>) -> Result<Json<ProblemMeaning>, Refusal> {
     let problem = ProblemCode::from_code(&code)
-        .ok_or_else(|| Refusal::not_found(ProblemCode::RouteNotFound, "problem", &code))?;
-    Ok(Json(told(problem)))
-}
-
-fn told(problem: ProblemCode) -> Value {
-    json!({
-        "type": problem.uri(),
-        "code": problem.code(),
-        "status": problem.status(),
-        "title": problem.title(),
-        "meaning": problem.meaning(),
-    })
+        .ok_or_else(|| Refusal::not_found(RouteNotFound, "problem", &code))?;
+    Ok(Json(problem.into()))
 }

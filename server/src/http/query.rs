@@ -3,40 +3,136 @@
 use std::collections::BTreeMap;
 
 use api::{ProblemCode, State};
-use axum::extract::{FromRequestParts, MatchedPath, Request};
-use axum::http::Method;
+use axum::extract::{FromRequestParts, Request};
 use axum::http::request::Parts;
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
+use serde_json::{Value, json};
 
-use super::App;
 use super::refusal::Refusal;
 
-/// Parameters of the routes that have any, for `GET`.
-const PARAMETERS: [(&str, &[&str]); 8] = [
-    ("/v1/jobs", &["limit", "cursor", "state", "q", "order"]),
-    ("/v1/jobs/{id}/runs", &["limit", "cursor"]),
-    (
-        "/v1/runs",
-        &["limit", "cursor", "job", "state", "method", "arena"],
-    ),
-    ("/v1/runs/{id}/curve", &["points"]),
-    ("/v1/jobs/{id}/comparison", &["measure", "by"]),
-    ("/v1/jobs/{id}/comparison.csv", &["measure", "by"]),
-    ("/v1/jobs/{id}/comparison.md", &["measure", "by"]),
-    (
-        "/v1/jobs/{id}/curves",
-        &["measure", "x", "by", "points", "runs"],
-    ),
-];
 /// Items of a page unless it says how many.
 const DEFAULT_PAGE: u32 = 50;
 const MAX_PAGE: u32 = 200;
 /// Longest text that is looked for.
 const MAX_TEXT_BYTES: usize = 200;
 
+/// A parameter that a route has.
+#[derive(Clone, Copy, Debug)]
+pub struct Parameter {
+    /// Its name.
+    pub name: &'static str,
+    /// What it does.
+    pub about: &'static str,
+    /// What it may be.
+    pub domain: Domain,
+}
+
+/// What a parameter may be.
+#[derive(Clone, Copy, Debug)]
+pub enum Domain {
+    /// A whole number.
+    Whole {
+        /// Smallest.
+        min: i64,
+        /// Largest.
+        max: i64,
+        /// What it is when it is not given, where that is a number.
+        default: Option<i64>,
+    },
+    /// A text of 1 to [`MAX_TEXT_BYTES`] bytes.
+    Text,
+    /// One of these words; the first unless another is given, where `true`.
+    Word(&'static [&'static str], bool),
+}
+
+impl Parameter {
+    /// A parameter that is a whole number.
+    pub const fn whole(name: &'static str, range: (i64, i64), about: &'static str) -> Self {
+        let (min, max) = range;
+        let default = None;
+        let domain = Domain::Whole { min, max, default };
+        Self {
+            name,
+            about,
+            domain,
+        }
+    }
+
+    /// A parameter that is a text.
+    pub const fn text(name: &'static str, about: &'static str) -> Self {
+        let domain = Domain::Text;
+        Self {
+            name,
+            about,
+            domain,
+        }
+    }
+
+    /// A parameter that is one of some words, the first of them unless it says otherwise.
+    pub const fn word(
+        name: &'static str,
+        words: &'static [&'static str],
+        about: &'static str,
+    ) -> Self {
+        let domain = Domain::Word(words, true);
+        Self {
+            name,
+            about,
+            domain,
+        }
+    }
+
+    /// The same, which is the given number unless it says otherwise.
+    #[must_use]
+    pub const fn or(mut self, number: i64) -> Self {
+        if let Domain::Whole { min, max, .. } = self.domain {
+            let default = Some(number);
+            self.domain = Domain::Whole { min, max, default };
+        }
+        self
+    }
+
+    /// Its JSON Schema.
+    pub fn schema(&self) -> Value {
+        match self.domain {
+            Domain::Whole { min, max, default } => {
+                let mut schema = json!({ "type": "integer", "minimum": min, "maximum": max });
+                if let Some(default) = default {
+                    schema["default"] = json!(default);
+                }
+                schema
+            }
+            Domain::Text => {
+                json!({ "type": "string", "minLength": 1, "maxLength": MAX_TEXT_BYTES })
+            }
+            Domain::Word(words, true) => {
+                json!({ "type": "string", "enum": words, "default": words.first() })
+            }
+            Domain::Word(words, false) => json!({ "type": "string", "enum": words }),
+        }
+    }
+}
+
+/// Most items of a page.
+pub const LIMIT: Parameter =
+    Parameter::whole("limit", (1, MAX_PAGE as i64), "Most items of the page.")
+        .or(DEFAULT_PAGE as i64);
+/// Where a page begins.
+pub const CURSOR: Parameter = Parameter::whole(
+    "cursor",
+    (0, i64::MAX),
+    "Where the page begins: `next` of the page before.",
+);
+/// Jobs or runs in one state.
+pub const STATE: Parameter = Parameter {
+    name: "state",
+    about: "Only those in this state.",
+    domain: Domain::Word(&State::NAMES, false),
+};
+
 /// What was asked for, by parameter.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Query(BTreeMap<String, String>);
 
 /// Which page of a list is wanted.
@@ -53,17 +149,18 @@ impl Query {
     ///
     /// # Errors
     /// A parameter that the route does not have, or one that is given twice.
-    fn new(query: &str, known: &[&str]) -> Result<Self, Refusal> {
+    fn new(query: &str, known: &[Parameter]) -> Result<Self, Refusal> {
         let mut values = BTreeMap::new();
         for (name, value) in form_urlencoded::parse(query.as_bytes()) {
-            if !known.contains(&&*name) {
+            if !known.iter().any(|known| known.name == name) {
                 let name: String = name.chars().take(80).collect();
-                let known = match known {
+                let names: Vec<&str> = known.iter().map(|known| known.name).collect();
+                let has = match names.as_slice() {
                     [] => "has none".to_owned(),
-                    known => format!("has {}", known.join(", ")),
+                    names => format!("has {}", names.join(", ")),
                 };
                 return Err(wrong(format!(
-                    "there is no query parameter {name:?} here; the route {known}"
+                    "there is no query parameter {name:?} here; the route {has}"
                 )));
             }
             if values
@@ -76,42 +173,31 @@ impl Query {
         Ok(Self(values))
     }
 
-    fn of(parts: &Parts) -> Result<Self, Refusal> {
-        let route = parts.extensions.get::<MatchedPath>();
-        let route = route.map_or("", MatchedPath::as_str);
-        let reads = [Method::GET, Method::HEAD].contains(&parts.method);
-        let known = PARAMETERS
-            .iter()
-            .find(|(of, _)| reads && *of == route)
-            .map_or(&[] as &[&str], |(_, known)| known);
-        Self::new(parts.uri.query().unwrap_or_default(), known)
-    }
-
     /// The parameters `limit` and `cursor`.
     ///
     /// # Errors
     /// Either cannot be used.
     pub fn page(&self) -> Result<Page, Refusal> {
-        let limit = self.number("limit", 1, i64::from(MAX_PAGE))?;
-        let cursor = self.0.get("cursor").map(|text| match text.parse() {
-            Ok(cursor) if cursor >= 0 => Ok(cursor),
-            _ => Err(wrong("cursor is not one that an earlier page gave")),
-        });
+        let limit = self.number(&LIMIT)?;
         Ok(Page {
             limit: limit
                 .and_then(|limit| limit.try_into().ok())
                 .unwrap_or(DEFAULT_PAGE),
-            cursor: cursor.transpose()?,
+            cursor: self.number(&CURSOR)?,
         })
     }
 
     /// A whole number.
     ///
     /// # Errors
-    /// It is no number from `min` to `max`.
-    pub fn number(&self, name: &str, min: i64, max: i64) -> Result<Option<i64>, Refusal> {
+    /// It is none in the range of the parameter.
+    pub fn number(&self, parameter: &Parameter) -> Result<Option<i64>, Refusal> {
+        let name = parameter.name;
+        let Domain::Whole { min, max, default } = parameter.domain else {
+            return Err(Refusal::internal(&format!("{name} is no number")));
+        };
         let Some(text) = self.0.get(name) else {
-            return Ok(None);
+            return Ok(default);
         };
         match text.parse() {
             Ok(number) if (min..=max).contains(&number) => Ok(Some(number)),
@@ -125,7 +211,8 @@ impl Query {
     ///
     /// # Errors
     /// It is empty or too long.
-    pub fn text(&self, name: &str) -> Result<Option<String>, Refusal> {
+    pub fn text(&self, parameter: &Parameter) -> Result<Option<String>, Refusal> {
+        let name = parameter.name;
         match self.0.get(name) {
             Some(text) if (1..=MAX_TEXT_BYTES).contains(&text.len()) => Ok(Some(text.clone())),
             Some(_) => Err(wrong(format!("{name} has 1 to {MAX_TEXT_BYTES} bytes"))),
@@ -133,20 +220,21 @@ impl Query {
         }
     }
 
-    /// One of some words.
+    /// One of the parameter's words.
     ///
     /// # Errors
     /// It is another.
-    pub fn one_of<T: Copy>(&self, name: &str, all: &[(&str, T)]) -> Result<Option<T>, Refusal> {
-        let Some(text) = self.0.get(name) else {
-            return Ok(None);
+    pub fn word(&self, parameter: &Parameter) -> Result<Option<&'static str>, Refusal> {
+        let name = parameter.name;
+        let Domain::Word(words, has_default) = parameter.domain else {
+            return Err(Refusal::internal(&format!("{name} is no word")));
         };
-        match all.iter().find(|(word, _)| word == text) {
-            Some((_, value)) => Ok(Some(*value)),
-            None => {
-                let words: Vec<&str> = all.iter().map(|(word, _)| *word).collect();
-                Err(wrong(format!("{name} is one of {}", words.join(", "))))
-            }
+        match self.0.get(name) {
+            None => Ok(words.first().copied().filter(|_| has_default)),
+            Some(text) => match words.iter().find(|word| *word == text) {
+                Some(word) => Ok(Some(word)),
+                None => Err(wrong(format!("{name} is one of {}", words.join(", ")))),
+            },
         }
     }
 
@@ -155,7 +243,7 @@ impl Query {
     /// # Errors
     /// It is no state.
     pub fn state(&self) -> Result<Option<State>, Refusal> {
-        self.one_of("state", &State::ALL.map(|state| (state.name(), state)))
+        Ok(self.word(&STATE)?.and_then(State::from_name))
     }
 }
 
@@ -163,19 +251,23 @@ fn wrong(detail: impl Into<String>) -> Refusal {
     Refusal::new(ProblemCode::InvalidQuery, detail)
 }
 
-impl FromRequestParts<App> for Query {
+impl<S: Sync> FromRequestParts<S> for Query {
     type Rejection = Refusal;
 
-    async fn from_request_parts(parts: &mut Parts, _: &App) -> Result<Self, Refusal> {
-        Self::of(parts)
+    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Refusal> {
+        let query = parts.extensions.get::<Self>().cloned();
+        query.ok_or_else(|| Refusal::internal(&"the route's query was not read"))
     }
 }
 
-/// Refuses parameters that the route does not have, also where the handler reads none.
-pub async fn check(request: Request, next: Next) -> Response {
-    let (parts, body) = request.into_parts();
-    match Query::of(&parts) {
-        Ok(_) => next.run(Request::from_parts(parts, body)).await,
+/// Reads the query of a request to a route with these parameters; refuses all others, also where
+/// the handler reads none.
+pub async fn check(known: &'static [Parameter], mut request: Request, next: Next) -> Response {
+    match Query::new(request.uri().query().unwrap_or_default(), known) {
+        Ok(query) => {
+            request.extensions_mut().insert(query);
+            next.run(request).await
+        }
         Err(refusal) => refusal.into_response(),
     }
 }
@@ -187,7 +279,7 @@ mod tests {
 
     #[test]
     fn pages_are_read_or_refused() {
-        let read = |text: &str| Query::new(text, &["limit", "cursor"]).ok()?.page().ok();
+        let read = |text: &str| Query::new(text, &[LIMIT, CURSOR]).ok()?.page().ok();
         let page = |limit, cursor| Some(Page { limit, cursor });
         assert_eq!(read(""), page(50, None));
         assert_eq!(read("cursor=7&limit=3"), page(3, Some(7)));
@@ -209,15 +301,17 @@ mod tests {
 
     #[test]
     fn texts_are_decoded_and_words_are_known() {
-        let query = Query::new("q=a+%26%C3%A9&state=done", &["q", "state"]).unwrap();
-        assert_eq!(query.text("q").unwrap().unwrap(), "a &é");
+        const Q: Parameter = Parameter::text("q", "Words.");
+        const ORDER: Parameter = Parameter::word("order", &["newest", "oldest"], "The order.");
+        const KNOWN: [Parameter; 3] = [Q, STATE, ORDER];
+        let query = Query::new("q=a+%26%C3%A9&state=done", &KNOWN).unwrap();
+        assert_eq!(query.text(&Q).unwrap().unwrap(), "a &é");
+        assert_eq!(query.word(&ORDER).unwrap(), Some("newest"));
         assert_eq!(query.state().unwrap(), Some(State::Done));
-        assert!(
-            Query::new("state=dead", &["state"])
-                .unwrap()
-                .state()
-                .is_err()
-        );
-        assert!(Query::new("q=", &["q"]).unwrap().text("q").is_err());
+        let read = |text: &str| Query::new(text, &KNOWN).unwrap();
+        assert!(read("state=dead").state().is_err());
+        assert!(read("q=").text(&Q).is_err());
+        assert!(read("order=").word(&ORDER).is_err());
+        assert_eq!(read("").state().unwrap(), None);
     }
 }

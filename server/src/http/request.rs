@@ -7,7 +7,8 @@ use serde_json::Value;
 
 use super::refusal::Refusal;
 
-const MAX_KEY_BYTES: usize = 200;
+/// Longest idempotency key.
+pub const MAX_KEY_BYTES: usize = 200;
 
 /// That the body of a request is said to be JSON; it is not parsed yet, as a large one is work for
 /// another thread.

@@ -16,21 +16,15 @@ use super::access::Tokens;
 use super::app::App;
 use super::guard::{self, Gate};
 use super::refusal::Refusal;
+use super::routes::Routes;
 use super::{
-    arenas, catalog, comparison, compression, conditional, control, events, exports, files, health,
-    job_findings, jobs, page, problems, query, runs,
+    arenas, catalog, comparison, compression, conditional, contract, control, events, exports,
+    files, health, job_findings, jobs, openapi, page, problems, runs,
 };
 
-/// Every route, behind the gate.
-pub fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, tokens: Tokens) -> Router {
-    let app = App {
-        findings: Arc::new(Assembler::new(Arc::clone(&store), Arc::clone(&scheduler))),
-        events: Hub::start(Arc::clone(&store), Arc::clone(&scheduler)),
-        exports: exports::places(),
-        store,
-        scheduler,
-    };
-    let v1 = Router::new()
+/// Every route, and what each does.
+pub fn routes() -> Routes {
+    let v1 = Routes::new()
         .merge(jobs::routes())
         .merge(control::routes())
         .merge(job_findings::routes())
@@ -41,12 +35,26 @@ pub fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, tokens: Tokens) -> R
         .merge(files::routes())
         .merge(arenas::routes())
         .merge(catalog::routes());
-    Router::new()
+    Routes::new()
         .merge(page::routes())
         .merge(health::routes())
         .merge(problems::routes())
-        .nest("/v1", v1)
-        .route_layer(middleware::from_fn(query::check))
+        .merge(contract::routes())
+        .below("/v1", v1)
+}
+
+/// The service: every route, behind the gate.
+pub fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, tokens: Tokens) -> Router {
+    let (described, router) = routes().into_parts();
+    let app = App {
+        findings: Arc::new(Assembler::new(Arc::clone(&store), Arc::clone(&scheduler))),
+        events: Hub::start(Arc::clone(&store), Arc::clone(&scheduler)),
+        exports: exports::places(),
+        openapi: openapi::text(&described).into(),
+        store,
+        scheduler,
+    };
+    router
         .fallback(async |uri: Uri| {
             Refusal::not_found(ProblemCode::RouteNotFound, "page", uri.path())
         })

@@ -1,40 +1,95 @@
 //! `/v1/runs/{id}`: show, spec, result, memory, channels, cancel.
 
-use api::{MemoryPlan, ProblemCode, RunPage, RunResult, RunSummary};
+use api::ProblemCode::{AlreadyEnded, NoResult};
+use api::frames::ChannelDescription;
+use api::{MemoryPlan, RunPage, RunResult, RunSummary};
+use axum::Json;
 use axum::extract::State;
 use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse, Response};
-use axum::routing::{get, post};
-use axum::{Json, Router};
 
 use super::App;
 use super::extract::FoundRun;
-use super::query::Query;
+use super::operation::{JSON, Operation, Shape};
+use super::query::{CURSOR, LIMIT, Parameter, Query, STATE};
 use super::refusal::Refusal;
+use super::routes::Routes;
 use crate::artifacts::memory_plan;
 use crate::channels::{Extent, describe};
 use crate::findings::views;
 use crate::store::{JobKey, RunFilter, RunKey, RunState};
 
-pub fn routes() -> Router<App> {
-    Router::new()
-        .route("/runs", get(list))
-        .route("/runs/{id}", get(show))
-        .route("/runs/{id}/spec", get(spec))
-        .route("/runs/{id}/result", get(result))
-        .route("/runs/{id}/memory", get(memory))
-        .route("/runs/{id}/channels", get(channels))
-        .route("/runs/{id}/cancel", post(cancel))
+const JOB: Parameter = Parameter::whole("job", (0, i64::MAX), "Only those of this job.");
+const METHOD: Parameter = Parameter::text("method", "Only those of this method.");
+const ARENA: Parameter = Parameter::text("arena", "Only those with this target arena.");
+
+pub fn routes() -> Routes {
+    Routes::new()
+        .get(
+            "/runs",
+            list,
+            Operation::new("listRuns", "Runs of all jobs, newest first")
+                .query(&[LIMIT, CURSOR, JOB, STATE, METHOD, ARENA])
+                .shows::<RunPage>("A page of runs."),
+        )
+        .get(
+            "/runs/{id}",
+            show,
+            Operation::new("getRun", "A run").shows::<RunSummary>("The run."),
+        )
+        .get(
+            "/runs/{id}/spec",
+            spec,
+            Operation::new("getRunSpec", "The run spec with every default filled in").answers(
+                200,
+                "The spec, byte for byte as `spec.json` has it.",
+                JSON,
+                Some(Shape::Document("RunSpec")),
+            ),
+        )
+        .get(
+            "/runs/{id}/result",
+            result,
+            Operation::new(
+                "getRunResult",
+                "What `result.json` holds, once the run is done",
+            )
+            .shows::<RunResult>("The result.")
+            .refuses(&[NoResult]),
+        )
+        .get(
+            "/runs/{id}/memory",
+            memory,
+            Operation::new("getRunMemory", "What each robot's learner may hold")
+                .details("Known before the run starts.")
+                .shows::<MemoryPlan>("The plan."),
+        )
+        .get(
+            "/runs/{id}/channels",
+            channels,
+            Operation::new("getRunChannels", "How local programs can watch the run").shows::<Vec<
+                ChannelDescription,
+            >>(
+                "What is needed to open the channels in shared memory; empty without any.",
+            ),
+        )
+        .post(
+            "/runs/{id}/cancel",
+            cancel,
+            Operation::new("cancelRun", "End a run in every job that has it")
+                .shows::<RunSummary>("The run as it is then.")
+                .refuses(&[AlreadyEnded]),
+        )
 }
 
 /// `GET /v1/runs`: of all jobs, newest first, of a job, a state, a method or an arena.
 async fn list(State(app): State<App>, query: Query) -> Result<Json<RunPage>, Refusal> {
     let page = query.page()?;
     let filter = RunFilter {
-        job: query.number("job", 0, i64::MAX)?.map(JobKey),
+        job: query.number(&JOB)?.map(JobKey),
         state: query.state()?,
-        method: query.text("method")?,
-        arena: query.text("arena")?,
+        method: query.text(&METHOD)?,
+        arena: query.text(&ARENA)?,
     };
     app.blocking(move |app| {
         let before = page.cursor.map(RunKey);
@@ -57,7 +112,7 @@ async fn show(State(app): State<App>, FoundRun(run): FoundRun) -> Json<RunSummar
 async fn spec(State(app): State<App>, FoundRun(run): FoundRun) -> Result<Response, Refusal> {
     app.blocking(move |app| {
         let text = app.findings.spec_text(&run)?;
-        Ok(([(CONTENT_TYPE, "application/json")], text).into_response())
+        Ok(([(CONTENT_TYPE, JSON)], text).into_response())
     })
     .await
 }
@@ -70,7 +125,7 @@ async fn result(FoundRun(run): FoundRun) -> Result<Json<RunResult>, Refusal> {
         RunState::Damaged { reason } => Err(Refusal::damaged(&reason)),
         _ => {
             let detail = format!("the run has no result: it is {state}");
-            Err(Refusal::new(ProblemCode::NoResult, detail))
+            Err(Refusal::new(NoResult, detail))
         }
     }
 }
@@ -115,7 +170,7 @@ async fn cancel(
         let state = after.state.state();
         if ended && state != api::State::Cancelled {
             let detail = format!("the run is {state} already");
-            return Err(Refusal::new(ProblemCode::AlreadyEnded, detail));
+            return Err(Refusal::new(AlreadyEnded, detail));
         }
         Ok(Json(views::run(&after, &app.scheduler)))
     })

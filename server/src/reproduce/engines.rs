@@ -1,5 +1,6 @@
 //! Whether the order of the methods hinges on the engine: the main comparison under both.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use swarm::spec::EngineKind;
 
@@ -13,7 +14,7 @@ use crate::statistics::{compare, summary};
 const ENGINES: [EngineKind; 2] = [EngineKind::Kinematic, EngineKind::Rapier];
 
 /// One pair of methods on one arena under both engines, over the seeds that both have.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 pub struct EnginePair {
     arena: String,
     /// The method that the thesis finds better.
@@ -30,7 +31,7 @@ pub struct EnginePair {
 }
 
 /// The comparison under one engine.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
 struct Side {
     /// Vargha and Delaney's A: probability that a run of `better` is above one of `worse`.
     a: f64,

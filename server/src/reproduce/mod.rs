@@ -15,5 +15,6 @@ mod report;
 mod results;
 mod sections;
 
+pub use claims::Claims;
 pub use plan::{Plan, Settings};
 pub use report::{Report, replace};

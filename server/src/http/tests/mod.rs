@@ -8,6 +8,7 @@ mod damage;
 mod exports;
 mod jobs;
 mod objects;
+mod openapi;
 mod report;
 
 use std::num::NonZeroUsize;

@@ -1,9 +1,10 @@
 //! A claim, its tests and what came of them.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// One claim and what came of it.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 pub struct Claim {
     pub claim: u32,
     pub text: &'static str,
@@ -19,7 +20,7 @@ pub struct Claim {
 }
 
 /// Which squares a test compares.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Level {
     /// Those entered at least once, or something else than squares.
@@ -39,7 +40,7 @@ impl Level {
 }
 
 /// One test of a claim.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Test {
     /// Name of the arena, or of the two that are compared.
     pub arena: String,
@@ -68,7 +69,7 @@ pub struct Test {
 }
 
 /// What came of a claim or of one of its tests.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// The test in the claim's direction is significant; for a claim, all of them.

@@ -4,6 +4,7 @@ mod claim;
 mod table;
 mod verdict;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::engines::{EnginePair, compare_engines};
@@ -14,7 +15,7 @@ pub use claim::{Claim, Test, Verdict};
 pub use verdict::ALPHA;
 
 /// `claims.json`.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 pub struct Claims {
     schema: u32,
     /// Of the program.
@@ -27,6 +28,7 @@ pub struct Claims {
     arenas: Vec<String>,
     /// Tests that were corrected together.
     pub tests: usize,
+    /// Each with its tests.
     pub claims: Vec<Claim>,
     /// The main comparison under both engines; in no family of tests.
     pub engines: Vec<EnginePair>,
