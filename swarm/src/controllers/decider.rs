@@ -29,12 +29,17 @@ pub struct Decider {
     held_steps: u32,
 }
 
+/// A probability on a scale of 2^16.
+fn scaled(probability: f64) -> u32 {
+    (probability * 65_536.0).round() as u32
+}
+
 impl Decider {
     /// A robot that has seen nothing; `key` is that of its choices.
     pub fn new(p: &ControllerParameters, key: u64) -> Self {
         Self {
             key,
-            eta: (p.eta * 65_536.0).round() as u32,
+            eta: scaled(p.eta),
             hold_steps: p.action_hold_steps,
             ties: p.ties,
             scaling: Scaling::new(p.sensor_scale),
@@ -44,6 +49,14 @@ impl Decider {
             command: [0.0; WHEELS],
             held_steps: 0,
         }
+    }
+
+    /// Takes the parameters of decisions from another set.
+    pub fn retune(&mut self, p: &ControllerParameters) {
+        self.eta = scaled(p.eta);
+        self.hold_steps = p.action_hold_steps;
+        self.ties = p.ties;
+        self.held_steps = self.held_steps.min(p.action_hold_steps - 1);
     }
 
     /// Starts a trajectory from the sensors read at its beginning.

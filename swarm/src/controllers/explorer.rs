@@ -37,6 +37,12 @@ impl Explorer {
         }
     }
 
+    /// Takes the parameters of decisions from another set.
+    pub fn retune(&mut self, p: &ControllerParameters) {
+        self.decider.retune(p);
+        self.repository.retune(p);
+    }
+
     /// Starts a trajectory from the sensors read at its beginning.
     pub fn begin_trajectory(&mut self, reading: &Reading) {
         self.decider.begin_trajectory(&self.codebook, reading);

@@ -13,6 +13,7 @@ use crate::caps::MemoryPlan;
 use crate::dimensions::WHEELS;
 use crate::learn::archive::Archive;
 use crate::learn::perceptron::Perceptron;
+use crate::spec::ControllerParameters;
 
 /// A robot in phase 2.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -46,6 +47,11 @@ impl Replayer {
         if let Some(genome) = self.archive.genome(self.place) {
             self.perceptron.load(genome, self.slope);
         }
+    }
+
+    /// Takes the parameters of later decisions from another set.
+    pub fn retune(&mut self, p: &ControllerParameters) {
+        self.explorer.retune(p);
     }
 
     /// Starts a trajectory from the sensors read at its beginning.

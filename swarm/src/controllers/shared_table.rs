@@ -52,6 +52,14 @@ impl SharedTableExplorers {
         }
     }
 
+    /// Takes the parameters of decisions from another set.
+    pub fn retune(&mut self, p: &ControllerParameters) {
+        for decider in &mut self.deciders {
+            decider.retune(p);
+        }
+        self.repository.retune(p);
+    }
+
     /// Starts a trajectory from the sensors read at its beginning.
     pub fn begin_trajectory(&mut self, bodies: &Bodies) {
         for (decider, body) in self.deciders.iter_mut().zip(bodies.iter()) {

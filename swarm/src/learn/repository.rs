@@ -175,6 +175,24 @@ impl Repository {
         }
     }
 
+    /// Takes the parameters of decisions from another set; what was recorded stays.
+    pub fn retune(&mut self, parameters: &ControllerParameters) {
+        self.alpha = parameters.alpha;
+        self.insufficiency = parameters.insufficiency;
+        self.lambda_total = parameters.lambda_total;
+        let (lambda, ns, na) = (usize::from(self.lambda), self.ns as usize, self.na as usize);
+        for (at, pair) in self.pairs.iter().enumerate() {
+            if pair.recorded > 0 {
+                let stayed = self.entries.get(at * (lambda + ns) + lambda + at / na);
+                // A count of at most `lambda` entries.
+                self.scores[at] = score(self.alpha, *pair, stayed as u16);
+            }
+        }
+        for (state, row) in self.states.iter_mut().zip(self.scores.chunks_exact(na)) {
+            state.best_action = first_maximum(row) as u16;
+        }
+    }
+
     /// Bytes that a table of this size takes besides the value itself.
     pub fn heap_bytes_for(ns: u32, na: u32, lambda: u32) -> u64 {
         let (ns, na) = (u64::from(ns), u64::from(na));

@@ -253,6 +253,21 @@ impl Learners {
         kind && self.robots() == spec.robots as usize
     }
 
+    /// Gives robots that decide by a table other parameters of their decisions. All others take
+    /// them when they come to that stage.
+    pub fn retune(&mut self, p: &ControllerParameters) {
+        match self {
+            Learners::Former(never) => match *never {},
+            Learners::Explorers(robots) => robots.iter_mut().for_each(|robot| robot.retune(p)),
+            Learners::Replayers(robots) => robots.iter_mut().for_each(|robot| robot.retune(p)),
+            Learners::SharedTable(robots) => robots.retune(p),
+            Learners::Brownian(_)
+            | Learners::Babblers(_)
+            | Learners::Crawlers(_)
+            | Learners::Walkers(_) => {}
+        }
+    }
+
     /// Moves every robot `steps` times.
     pub fn advance(&mut self, world: &mut World, radio: Option<&mut Radio>, steps: u64) {
         match (self, radio) {

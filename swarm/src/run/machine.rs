@@ -141,7 +141,7 @@ impl Run {
         self.venues[TARGET].world.set_counting(counts);
     }
 
-    fn begin_epoch(&mut self) {
+    pub(super) fn begin_epoch(&mut self) {
         self.position.step = 0;
         let venue = self.venue();
         let world = &mut self.venues[venue].world;

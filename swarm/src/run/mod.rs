@@ -1,5 +1,6 @@
 //! A run: a spec brought to life, as a state machine stepped in blocks, saved and restored.
 
+mod continued;
 mod coverage;
 mod findings;
 mod learners;
@@ -16,6 +17,7 @@ mod tests;
 mod tracks;
 mod venue;
 
+pub use continued::CHANGEABLE;
 pub use coverage::{CurveRow, counts_within};
 pub use machine::Run;
 pub use metrics::{MetricsLog, MetricsRow, RobotMetrics};

@@ -84,6 +84,9 @@ pub enum RestoreError {
     /// It belongs to another spec.
     #[error("the snapshot belongs to another spec")]
     OtherSpec,
+    /// It cannot be gone on from in this way.
+    #[error("it cannot be gone on from: {0}")]
+    CannotGoOn(String),
     /// The robots do not fit into the arenas of the spec.
     #[error("the spec cannot be run: {0:?}")]
     Spec(Vec<FieldError>),

@@ -52,7 +52,7 @@ struct Saved {
 /// The spec is taken apart without `..`: a field that is added does not compile until it is thought
 /// of here. What only some specs have (as a method's own parameters) is a further part for those,
 /// so that the digests of all others, and with them their snapshots, stay what they are.
-fn digest(spec: &RunSpec) -> [u8; 32] {
+pub(super) fn digest(spec: &RunSpec) -> [u8; 32] {
     let RunSpec {
         seed,
         arena,
@@ -123,7 +123,8 @@ impl Run {
     /// # Errors
     /// When the bytes are damaged, of another version or of another spec.
     pub fn restore(spec: ValidSpec, bytes: &[u8]) -> Result<Self, RestoreError> {
-        restore(spec, bytes)
+        let of = digest(&spec);
+        restore_of(spec, of, bytes)
     }
 
     /// Everything needed to go on, at any step, in the middle of an epoch too. Same state, same
@@ -168,8 +169,8 @@ fn state(run: &Run) -> Vec<u8> {
     bytes
 }
 
-/// A run that goes on from saved state.
-fn restore(spec: ValidSpec, bytes: &[u8]) -> Result<Run, RestoreError> {
+/// A run that goes on from saved state; `of` is the digest of the spec that it was saved with.
+pub(super) fn restore_of(spec: ValidSpec, of: [u8; 32], bytes: &[u8]) -> Result<Run, RestoreError> {
     let unreadable = |why: &str| RestoreError::Unreadable(why.into());
     let damaged = || unreadable("its checksum does not match");
     let (state, later) = Later::split(bytes).ok_or_else(damaged)?;
@@ -183,7 +184,7 @@ fn restore(spec: ValidSpec, bytes: &[u8]) -> Result<Run, RestoreError> {
         return Err(damaged());
     }
     let saved: Saved = postcard::from_bytes(state).map_err(|e| unreadable(&e.to_string()))?;
-    if saved.spec != digest(&spec) {
+    if saved.spec != of {
         return Err(RestoreError::OtherSpec);
     }
     let mut run = Run::new(spec).map_err(RestoreError::Spec)?;

@@ -1,6 +1,7 @@
 //! Tests of whole runs: interruption, thread count, block size, instructions, engines, methods.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod continued;
 mod sharing;
 
 use std::sync::Arc;
