@@ -1,7 +1,10 @@
 //! Control of jobs and runs: what is posted to `extend`, `step` and `priority`, and a run's log.
 
+use std::collections::BTreeMap;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 /// Most seeds that a job is extended by at once.
 pub const MAX_MORE_SEEDS: u32 = 10_000;
@@ -53,4 +56,29 @@ pub struct RunLogEntry {
 pub struct RunLog {
     /// Its entries.
     pub items: Vec<RunLogEntry>,
+}
+
+/// `POST /v1/runs/{id}/fork`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Fork {
+    /// The counted epochs that the state must have complete; any when it is not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub epoch: Option<u32>,
+    /// What is changed: dotted paths into the run spec, and values.
+    #[serde(default)]
+    pub changes: BTreeMap<String, Value>,
+}
+
+/// `POST /v1/runs/{id}/checkpoint`: what is kept of a run to go on from.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct CheckpointInfo {
+    /// Id of the run.
+    pub run: String,
+    /// SHA-256 of its state, in hex.
+    pub checkpoint_sha256: String,
+    /// Bytes of the state.
+    pub bytes: u64,
+    /// Counted epochs that are complete.
+    pub epochs_done: u32,
 }

@@ -82,6 +82,25 @@ pub struct RunSummary {
     pub result: Option<RunResult>,
     /// Why it failed; null unless it did.
     pub error: Option<String>,
+    /// The state of another run that it goes on from; null where it starts at its beginning. Its id
+    /// is then made of its spec and of the digest of that state.
+    #[serde(default)]
+    pub origin: Option<RunOrigin>,
+}
+
+/// A state that a run goes on from.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct RunOrigin {
+    /// Id of the run that the state is of.
+    pub run: String,
+    /// SHA-256 of the state, in hex.
+    pub checkpoint_sha256: String,
+    /// Counted epochs that were complete.
+    pub epochs_done: u32,
+    /// Robot-steps that were done.
+    pub robot_steps_done: u64,
+    /// Whether the state was uploaded, so that this server has not made it.
+    pub uploaded: bool,
 }
 
 /// A page of jobs.

@@ -22,8 +22,8 @@ pub use catalog::{
     ArenaList, ArenaListing, ControllerListing, Health, MethodListing, ParameterListing,
     TemplateList, TemplateListing, Version,
 };
-pub use control::{Epochs, ExtendJob, Priority, RunLog, RunLogEntry};
-pub use job::{Job, JobPage, RunCounts, RunPage, RunSummary};
+pub use control::{CheckpointInfo, Epochs, ExtendJob, Fork, Priority, RunLog, RunLogEntry};
+pub use job::{Job, JobPage, RunCounts, RunOrigin, RunPage, RunSummary};
 pub use objects::{ObjectSample, ObjectTrack, ObjectTracks};
 pub use problem::{FieldError, Problem, ProblemList, ProblemMeaning};
 pub use problem_codes::ProblemCode;

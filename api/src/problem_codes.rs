@@ -86,6 +86,8 @@ problem_codes! {
         "A run of a job that is paused or cancelled goes on with its job: resume or retry that."
     DocumentNotKept 409 "document-not-kept" "The job's document is not kept"
         "Jobs of versions that did not keep documents can neither show theirs nor be extended."
+    CheckpointNotKept 409 "checkpoint-not-kept" "No state of the run is kept"
+        "A run that has not begun has no state to go on from, and of one that has ended its last state is kept only while there is room."
     ReportNotReady 409 "report-not-ready" "The report is not ready"
         "A report is made of all runs of its job, once they are done."
     ArenaNameTaken 409 "arena-name-taken" "The arena's name is taken"

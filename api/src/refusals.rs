@@ -124,6 +124,18 @@ pub const REFUSED: &[RefusedCase] = &[
     service("resuming or trying again what is done", AlreadyEnded),
     service("trying again a job that has not ended", NotEnded),
     service("stepping a run that is not paused", NotPaused),
+    service(
+        "the state of a run of which none is kept",
+        CheckpointNotKept,
+    ),
+    service(
+        "a checkpoint that is foreign, altered or of another version",
+        InvalidDocument,
+    ),
+    service(
+        "a fork that changes what its state was made with",
+        InvalidDocument,
+    ),
     service("resuming a run whose job is paused", HeldByJob),
     service(
         "a control that is not one whole number in its range",

@@ -58,6 +58,7 @@ pub fn run(view: &RunView, scheduler: &Scheduler) -> RunSummary {
             RunState::Failed { reason } | RunState::Damaged { reason } => Some(reason.clone()),
             _ => None,
         },
+        origin: view.origin.clone(),
     }
 }
 

@@ -13,11 +13,14 @@ use bytes::{Bytes, BytesMut};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::time::{Instant, timeout, timeout_at};
 
+use super::checkpoints;
 use super::connections::{Connection, Stage};
 use super::refusal::Refusal;
 
 /// Largest body that is read.
 pub const MAX_BODY_BYTES: usize = 4 << 20;
+/// Largest checkpoint that is read.
+pub const MAX_CHECKPOINT_BYTES: usize = 64 << 20;
 /// Bytes of all bodies together that are read or worked on.
 const MAX_BYTES_AT_A_TIME: usize = 256 << 20;
 /// Longest time for a body ...
@@ -54,11 +57,16 @@ impl Bodies {
         if body.is_end_stream() {
             return Ok((Request::from_parts(parts, body), Room::default()));
         }
+        let most = if checkpoints::is_upload(&parts.method, parts.uri.path()) {
+            MAX_CHECKPOINT_BYTES
+        } else {
+            MAX_BODY_BYTES
+        };
         let length = parts.headers.get(CONTENT_LENGTH);
         let length = length.and_then(|length| length.to_str().ok()?.parse::<u64>().ok());
-        if length.is_some_and(|length| length > MAX_BODY_BYTES as u64) {
+        if length.is_some_and(|length| length > most as u64) {
             tokio::spawn(drain(body));
-            return Err(too_large());
+            return Err(too_large(most));
         }
         let connection = parts.extensions.get::<Arc<Connection>>().cloned();
         let enter = |stage| {
@@ -67,12 +75,12 @@ impl Bodies {
             }
         };
         enter(Stage::Body);
-        let (bytes, room) = self.collect(body).await?;
+        let (bytes, room) = self.collect(body, most).await?;
         enter(Stage::Working);
         Ok((Request::from_parts(parts, Body::from(bytes)), room))
     }
 
-    async fn collect(&self, mut body: Body) -> Result<(Bytes, Room), Refusal> {
+    async fn collect(&self, mut body: Body, most: usize) -> Result<(Bytes, Room), Refusal> {
         let end = Instant::now() + TIME;
         let (mut bytes, mut room) = (BytesMut::new(), Room::default());
         loop {
@@ -89,9 +97,9 @@ impl Bodies {
                     return Err(Refusal::new(ProblemCode::InvalidRequest, detail));
                 }
             };
-            if bytes.len() + part.len() > MAX_BODY_BYTES {
+            if bytes.len() + part.len() > most {
                 tokio::spawn(drain(body));
-                return Err(too_large());
+                return Err(too_large(most));
             }
             room.grow(&self.0, part.len())?;
             bytes.extend_from_slice(&part);
@@ -115,8 +123,8 @@ impl Room {
     }
 }
 
-fn too_large() -> Refusal {
-    let detail = format!("a body has at most {MAX_BODY_BYTES} bytes");
+fn too_large(most: usize) -> Refusal {
+    let detail = format!("a body has at most {most} bytes here");
     Refusal::new(ProblemCode::BodyTooLarge, detail)
 }
 

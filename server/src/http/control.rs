@@ -2,8 +2,8 @@
 //! is beyond posting and stopping them: extend, priority, document.
 
 use api::ProblemCode::{
-    AlreadyEnded, DocumentNotKept, HeldByJob, JobTooLarge, KeyReused, KeyUnderWay, NotEnded,
-    NotPaused, QueueFull,
+    AlreadyEnded, CheckpointNotKept, DocumentNotKept, HeldByJob, JobTooLarge, KeyReused,
+    KeyUnderWay, NotEnded, NotPaused, QueueFull,
 };
 use api::control::{MAX_MORE_EPOCHS, MAX_MORE_SEEDS, MAX_PRIORITY};
 use api::{Epochs, ExtendJob, Job, Priority, ProblemCode, RunLog, RunLogEntry, RunSummary};
@@ -101,7 +101,13 @@ pub fn routes() -> Routes {
                 .details("Its first epochs are those of the shorter run to the last bit.")
                 .takes(Shape::of::<Epochs>())
                 .creates::<Job>(201, "The job.")
-                .refuses(&[KeyUnderWay, KeyReused, JobTooLarge, QueueFull]),
+                .refuses(&[
+                    KeyUnderWay,
+                    KeyReused,
+                    JobTooLarge,
+                    QueueFull,
+                    CheckpointNotKept,
+                ]),
         )
         .get(
             "/runs/{id}/log",
@@ -128,6 +134,8 @@ impl From<ControlError> for Refusal {
             ControlError::NotWanted(_) => Self::new(ProblemCode::HeldByJob, detail),
             ControlError::NoDocument => Self::new(ProblemCode::DocumentNotKept, detail),
             ControlError::Invalid(errors) => Self::fields(errors),
+            ControlError::NoCheckpoint(_) => Self::new(ProblemCode::CheckpointNotKept, detail),
+            ControlError::Checkpoint(_) => Self::damaged(&detail),
             ControlError::NoRoom(error) => error.into(),
             ControlError::Store(error) => error.into(),
         }

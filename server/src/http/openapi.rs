@@ -189,6 +189,12 @@ fn operation(route: &Described, parts: &mut Parts) -> Value {
             "content": { "application/json": { "schema": parts.schema(shape) } },
         });
     }
+    if operation.takes_bytes {
+        told["requestBody"] = json!({
+            "required": true,
+            "content": { "application/octet-stream": {} },
+        });
+    }
     told
 }
 

@@ -73,6 +73,8 @@ pub struct Operation {
     pub headers: Vec<Header>,
     /// JSON that it takes.
     pub body: Option<Shape>,
+    /// Whether it takes bytes that are no JSON.
+    pub takes_bytes: bool,
     /// What it answers when it does what was asked for.
     pub answers: Vec<Answer>,
     /// Problems of its own; see [`Operation::problems`] for all.
@@ -95,6 +97,7 @@ impl Operation {
             query: &[],
             headers: Vec::new(),
             body: None,
+            takes_bytes: false,
             answers: Vec::new(),
             refuses: Vec::new(),
             is_open: false,
@@ -132,6 +135,13 @@ impl Operation {
     #[must_use]
     pub fn takes(mut self, shape: Shape) -> Self {
         self.body = Some(shape);
+        self
+    }
+
+    /// Takes bytes.
+    #[must_use]
+    pub fn takes_bytes(mut self) -> Self {
+        self.takes_bytes = true;
         self
     }
 

@@ -18,8 +18,8 @@ use super::guard::{self, Gate};
 use super::refusal::Refusal;
 use super::routes::Routes;
 use super::{
-    arenas, catalog, comparison, compression, conditional, contract, control, events, exports,
-    files, health, job_findings, jobs, openapi, page, problems, runs,
+    arenas, catalog, checkpoints, comparison, compression, conditional, contract, control, events,
+    exports, files, health, job_findings, jobs, openapi, page, problems, runs,
 };
 
 /// Every route, and what each does.
@@ -27,6 +27,7 @@ pub fn routes() -> Routes {
     let v1 = Routes::new()
         .merge(jobs::routes())
         .merge(control::routes())
+        .merge(checkpoints::routes())
         .merge(job_findings::routes())
         .merge(comparison::routes())
         .merge(exports::routes())

@@ -5,7 +5,7 @@ use axum::extract::Request;
 use axum::handler::Handler;
 use axum::http::Method;
 use axum::middleware::{Next, from_fn};
-use axum::routing::{MethodRouter, delete, get, post};
+use axum::routing::{MethodRouter, delete, get, post, put};
 
 use super::App;
 use super::operation::Operation;
@@ -55,6 +55,17 @@ impl Routes {
         operation: Operation,
     ) -> Self {
         self.add(Method::POST, path, post(handler), operation)
+    }
+
+    /// With a route to bring something.
+    #[must_use]
+    pub fn put<H: Handler<T, App>, T: 'static>(
+        self,
+        path: &str,
+        handler: H,
+        operation: Operation,
+    ) -> Self {
+        self.add(Method::PUT, path, put(handler), operation)
     }
 
     /// With a route to delete something.

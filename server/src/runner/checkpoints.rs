@@ -15,6 +15,7 @@ pub struct Checkpoints<T, Take> {
     pace: Pace,
     take: Take,
     write: Arc<dyn Fn(T) + Send + Sync>,
+    is_asked: Box<dyn Fn() -> bool + Send>,
     /// When the last one was begun, and who writes it.
     writing: Option<(Instant, JoinHandle<()>)>,
 }
@@ -31,8 +32,16 @@ where
             pace: Pace::every_half_minute(),
             take,
             write: Arc::new(write),
+            is_asked: Box::new(|| false),
             writing: None,
         }
+    }
+
+    /// Takes one out of turn too, whenever somebody asks for it.
+    #[must_use]
+    pub fn also_when(mut self, is_asked: impl Fn() -> bool + Send + 'static) -> Self {
+        self.is_asked = Box::new(is_asked);
+        self
     }
 
     fn begin_one(&mut self, run: &Run, now: Instant) {
@@ -74,7 +83,7 @@ where
             self.wait();
         }
         let now = Instant::now();
-        if self.pace.is_due(now) {
+        if (self.is_asked)() || self.pace.is_due(now) {
             self.begin_one(run, now);
         }
         Ok(())

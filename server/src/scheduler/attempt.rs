@@ -17,8 +17,8 @@ use crate::store::{Checkpoint, ClaimedRun, Finished, Position, Store};
 
 /// How an attempt ended.
 pub enum Ended {
-    /// The run is done.
-    Finished(Box<Finished>),
+    /// The run is done; with its last state, where that is to be kept.
+    Finished(Box<Finished>, Vec<u8>),
     /// The worker was asked to let go.
     Stopped(Box<Run>),
     /// The run cannot go on.
@@ -38,9 +38,9 @@ pub fn attempt(
         Ok(resolved) => resolved,
         Err(errors) => return Ended::Failed(spec_failure(errors)),
     };
-    let mut run = match open(store, &claimed.id, &resolved) {
+    let mut run = match open(store, claimed, &resolved) {
         Ok(run) => run,
-        Err(errors) => return Ended::Failed(spec_failure(errors)),
+        Err(reason) => return Ended::Failed(reason),
     };
     let extent = Extent::of(&resolved.run_spec());
     let mut frames = resolved
@@ -51,7 +51,15 @@ pub fn attempt(
     let mut views = Views::new(live, done_before);
     let mut checkpoints = Checkpoints::new(checkpoint_of, {
         let (store, id) = (Arc::clone(store), claimed.id.clone());
-        move |checkpoint| write(&store, &id, &checkpoint)
+        let saves = Arc::clone(live.saves());
+        move |checkpoint| {
+            write(&store, &id, &checkpoint);
+            saves.is_written();
+        }
+    })
+    .also_when({
+        let saves = Arc::clone(live.saves());
+        move || saves.is_asked()
     });
     let mut memory = MemoryBound::new(config.run_memory_bytes);
     let mut pause = claimed.pause_at_step.map(PauseAt);
@@ -76,12 +84,15 @@ pub fn attempt(
     match run.outcome() {
         Some(outcome) => {
             let result = run_result(&outcome);
-            Ended::Finished(Box::new(Finished {
+            let keeps = store.finals().most_bytes() > 0;
+            let last = if keeps { run.snapshot() } else { Vec::new() };
+            let finished = Finished {
                 result,
                 findings: findings_of(&run),
                 cpu_ns_per_robot_step: (steps > 0)
                     .then(|| (thread_cpu_s() - cpu_s) * 1e9 / steps as f64),
-            }))
+            };
+            Ended::Finished(Box::new(finished), last)
         }
         None => Ended::Stopped(Box::new(run)),
     }
@@ -121,7 +132,7 @@ fn save(store: &Store, id: &str, run: &Run) {
     write(store, id, &checkpoint_of(run));
 }
 
-fn checkpoint_of(run: &Run) -> Checkpoint {
+pub fn checkpoint_of(run: &Run) -> Checkpoint {
     Checkpoint {
         findings: findings_of(run),
         snapshot: run.snapshot(),
@@ -139,8 +150,10 @@ pub fn stored_spec(store: &Store, spec: &str) -> Result<ResolvedRun, Vec<FieldEr
     resolve(&parse(spec)?, &super::StoredArenas::new(store))
 }
 
-/// The run at its checkpoint; at its beginning when there is none that can be used.
-fn open(store: &Store, id: &str, resolved: &ResolvedRun) -> Result<Run, Vec<FieldError>> {
+/// The run at its checkpoint; at its beginning when there is none that can be used, which for some
+/// is the state of another run.
+fn open(store: &Store, claimed: &ClaimedRun, resolved: &ResolvedRun) -> Result<Run, String> {
+    let id = claimed.id.as_str();
     let restored = match store.checkpoints().read(id) {
         Ok(None) => None,
         Ok(Some(checkpoint)) => Run::restore(resolved.run_spec(), &checkpoint.snapshot)
@@ -155,11 +168,19 @@ fn open(store: &Store, id: &str, resolved: &ResolvedRun) -> Result<Run, Vec<Fiel
         return Ok(run);
     }
     store.checkpoints().remove(id);
+    if claimed.has_origin {
+        let origin = match store.origins().read(id) {
+            Ok(Some(origin)) => origin,
+            Ok(None) => return Err("the state that it goes on from is gone".to_owned()),
+            Err(error) => return Err(format!("it cannot go on from where it begins: {error}")),
+        };
+        return Run::restore(resolved.run_spec(), &origin.snapshot)
+            .map_err(|error| format!("it cannot go on from where it begins: {error}"));
+    }
     Run::new(resolved.run_spec()).map_err(|errors| {
-        errors
-            .into_iter()
-            .map(|e| FieldError::new(e.pointer, e.message, e.allowed))
-            .collect()
+        let errors = errors.into_iter();
+        let told = errors.map(|e| FieldError::new(e.pointer, e.message, e.allowed));
+        spec_failure(told.collect())
     })
 }
 

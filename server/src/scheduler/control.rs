@@ -4,7 +4,7 @@
 
 use std::time::{Duration, Instant};
 
-use api::State as Life;
+use api::{FieldError, Fork, State as Life};
 use serde_json::Value;
 
 use super::arenas::StoredArenas;
@@ -55,6 +55,13 @@ impl Scheduler {
         let store = &self.shared.store;
         let text = store.document(job.seq)?.ok_or(ControlError::NoDocument)?;
         let document = crate::documents::parse(&text).map_err(ControlError::Invalid)?;
+        if document.get("fork").is_some() {
+            return Err(ControlError::Invalid(vec![FieldError::new(
+                "/seeds",
+                "the job's run goes on from a state, which has one seed",
+                "a job whose runs start at their beginning",
+            )]));
+        }
         let longer = with_more_seeds(&document, more);
         let expanded = expand(&longer, &StoredArenas::new(store)).map_err(ControlError::Invalid)?;
         let request = JobRequest::of_document(longer.to_string().as_bytes(), None);
@@ -66,15 +73,28 @@ impl Scheduler {
 
     /// Makes a job of one run: a run as another one was, with so many more epochs. Its first epochs
     /// are the other's to the last bit, as a run of fewer epochs is the beginning of one of more.
+    /// It goes on from the other's end where that is kept, and is simulated anew where it is not.
     ///
     /// # Errors
-    /// `Invalid`, `NoRoom`, `Store`.
+    /// `Invalid`, `NoRoom`, `Store`; `NoCheckpoint` where the other one began with a state of a
+    /// third and its end is not kept.
     pub fn extend_run(&self, run: &RunView, more: u32) -> Result<JobKey, ControlError> {
         let store = &self.shared.store;
         let spec = store.spec(run.seq)?.unwrap_or_default();
         let mut spec = crate::documents::parse(&spec).map_err(ControlError::Invalid)?;
         let epochs = spec.get("epochs").and_then(Value::as_u64).unwrap_or(0);
-        spec["epochs"] = Value::from(epochs.saturating_add(u64::from(more)));
+        let epochs = epochs.saturating_add(u64::from(more));
+        if run.origin.is_some() {
+            let changes = [("epochs".to_owned(), Value::from(epochs))].into();
+            return self.fork_run(
+                run,
+                &Fork {
+                    epoch: None,
+                    changes,
+                },
+            );
+        }
+        spec["epochs"] = Value::from(epochs);
         let short: String = run.id.chars().take(12).collect();
         let document = serde_json::json!({
             "name": format!("{short} with {more} more epochs"),
@@ -83,8 +103,15 @@ impl Scheduler {
         let expanded =
             expand(&document, &StoredArenas::new(store)).map_err(ControlError::Invalid)?;
         let request = JobRequest::of_document(document.to_string().as_bytes(), None);
-        let (Created::New(job, _) | Created::Replayed(job)) =
-            self.submit(&new_job(expanded, request))?;
+        let goes_on = (expanded.runs.iter()).any(|longer| self.go_on_from_the_end(run, longer));
+        let longer = new_job(expanded, request);
+        let (Created::New(job, _) | Created::Replayed(job)) = self.submit(&longer)?;
+        if goes_on && let Some(made) = longer.runs.first().map(|run| store.run(&run.id)) {
+            let what = format!("goes on from the end of run {}", run.id);
+            if let Some(made) = made? {
+                store.note(made.seq, &what)?;
+            }
+        }
         Ok(job)
     }
 

@@ -2,7 +2,7 @@
 
 use api::State as Life;
 
-use crate::store::{CreateJobError, StoreError};
+use crate::store::{CheckpointError, CreateJobError, StoreError};
 
 /// Why something is not done.
 #[derive(Debug, thiserror::Error)]
@@ -28,6 +28,12 @@ pub enum ControlError {
     /// It would not fit.
     #[error(transparent)]
     NoRoom(CreateJobError),
+    /// No state of it is kept to go on from.
+    #[error("no state of the run is kept: it is {0}")]
+    NoCheckpoint(Life),
+    /// What is kept cannot be read.
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
     /// The store failed.
     #[error(transparent)]
     Store(#[from] StoreError),

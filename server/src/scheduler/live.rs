@@ -1,7 +1,7 @@
 //! What the rest of the program sees of a run while a worker steps it: the latest view, and a flag
 //! to stop it by.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
@@ -47,12 +47,42 @@ pub fn findings_of(run: &Run) -> Findings {
     }
 }
 
+/// Checkpoints that are asked for while a run is stepped.
+#[derive(Debug, Default)]
+pub struct Saves {
+    asked: AtomicBool,
+    written: AtomicU64,
+}
+
+impl Saves {
+    /// Asks for one at the next step boundary.
+    pub fn ask(&self) {
+        self.asked.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether one was asked for since this was last looked at.
+    pub fn is_asked(&self) -> bool {
+        self.asked.swap(false, Ordering::Relaxed)
+    }
+
+    /// One more is written, or could not be.
+    pub fn is_written(&self) {
+        self.written.fetch_add(1, Ordering::Release);
+    }
+
+    /// How many there were.
+    pub fn written(&self) -> u64 {
+        self.written.load(Ordering::Acquire)
+    }
+}
+
 /// A run in the hands of a worker.
 #[derive(Debug, Default)]
 pub struct LiveRun {
     stop: AtomicBool,
     view: Mutex<Option<Arc<View>>>,
     pace: Mutex<Option<f64>>,
+    saves: Arc<Saves>,
 }
 
 impl LiveRun {
@@ -72,6 +102,11 @@ impl LiveRun {
     /// Says how many robot-steps a second the run did, its preparation included.
     pub fn set_pace(&self, pace: f64) {
         *self.pace.lock().unwrap_or_else(PoisonError::into_inner) = Some(pace);
+    }
+
+    /// Checkpoints that are asked for.
+    pub fn saves(&self) -> &Arc<Saves> {
+        &self.saves
     }
 
     /// Asks the worker to let go of the run after the present block of steps.

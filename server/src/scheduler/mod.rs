@@ -9,6 +9,9 @@ mod control;
 mod control_error;
 #[cfg(test)]
 mod control_tests;
+#[cfg(test)]
+mod fork_tests;
+mod forks;
 mod live;
 mod progress;
 mod queue;

@@ -37,6 +37,7 @@ fn new_run(run: &ResolvedRun, label: &str) -> NewRun {
         },
         uploaded_arenas: uploaded_arenas(run.shown()),
         label: label.to_owned(),
+        origin: None,
     }
 }
 

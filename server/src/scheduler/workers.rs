@@ -252,6 +252,10 @@ impl Shared {
                 }
                 None => {}
             }
+            if dropped && matches!(self.store.run_by_key(run.seq), Ok(None)) {
+                self.store.finals().remove(&run.id);
+                self.store.origins().remove(&run.id);
+            }
         }
     }
 
@@ -323,7 +327,12 @@ impl Shared {
             AssertUnwindSafe(|| attempt::attempt(&self.store, &self.config, claimed, live));
         let ended = catch_unwind(stepping).unwrap_or_else(|panic| Ended::Failed(said(&*panic)));
         match ended {
-            Ended::Finished(finished) => {
+            Ended::Finished(finished, last) => {
+                // Before it is seen as done, so that whoever sees that can extend it.
+                if !last.is_empty() {
+                    let finals = self.store.finals();
+                    finals.keep(&claimed.id, &finished.findings, &last);
+                }
                 self.persist(&claimed.id, || {
                     self.store.finish(claimed.seq, &finished).map(drop)
                 });

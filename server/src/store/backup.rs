@@ -51,10 +51,12 @@ pub fn backup(dir: &Path, to: &Path) -> Result<(), StoreError> {
 }
 
 fn copy_checkpoints(from: &Path, to: &Path) -> Result<(), StoreError> {
-    let checkpoints = Checkpoints::open(&from.join(super::CHECKPOINTS))?;
-    let copies = Checkpoints::open(&to.join(super::CHECKPOINTS))?;
-    for run in checkpoints.runs()? {
-        checkpoints.copy(&run, &copies)?;
+    for folder in [super::CHECKPOINTS, super::ORIGINS] {
+        let checkpoints = Checkpoints::open(&from.join(folder))?;
+        let copies = Checkpoints::open(&to.join(folder))?;
+        for run in checkpoints.runs()? {
+            checkpoints.copy(&run, &copies)?;
+        }
     }
     Ok(())
 }

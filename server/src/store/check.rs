@@ -31,10 +31,17 @@ pub fn check(dir: &Path) -> Result<Checked, StoreError> {
     if let Err(error) = database(&path, &checkpoints, &mut checked) {
         checked.faults.push(error.to_string());
     }
-    for run in checkpoints.runs()? {
-        checked.checkpoints += 1;
-        if let Err(error) = checkpoints.read(&run) {
-            checked.faults.push(error.to_string());
+    let origins = dir.join(super::ORIGINS);
+    let origins = origins
+        .is_dir()
+        .then(|| Checkpoints::open(&origins))
+        .transpose()?;
+    for folder in [Some(&checkpoints), origins.as_ref()].into_iter().flatten() {
+        for run in folder.runs()? {
+            checked.checkpoints += 1;
+            if let Err(error) = folder.read(&run) {
+                checked.faults.push(error.to_string());
+            }
         }
     }
     Ok(checked)

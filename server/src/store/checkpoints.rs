@@ -78,8 +78,20 @@ impl Checkpoints {
     /// # Errors
     /// `Io` or `Full` when it cannot be written; the old one is then still there.
     pub fn write(&self, run: &str, checkpoint: &Checkpoint) -> Result<(), StoreError> {
+        self.put(run, &checkpoint.findings, &checkpoint.snapshot, true)
+    }
+
+    /// Replaces the run's checkpoint; it survives a crash of the machine only where that is waited
+    /// for.
+    pub(super) fn put(
+        &self,
+        run: &str,
+        findings: &Findings,
+        snapshot: &[u8],
+        is_durable: bool,
+    ) -> Result<(), StoreError> {
         let path = self.path(run);
-        let blobs = Blobs::of(&checkpoint.findings);
+        let blobs = Blobs::of(findings);
         let head = HeadV4 {
             results_version: swarm::RESULTS_VERSION,
             run: run.to_owned(),
@@ -96,7 +108,11 @@ impl Checkpoints {
             for blob in [&blobs.metrics, &blobs.objects].into_iter().flatten() {
                 write_part(&mut file, blob)?;
             }
-            write_part(&mut file, &checkpoint.snapshot)?;
+            write_part(&mut file, snapshot)?;
+            if !is_durable {
+                file.persist(&path)?;
+                return Ok(());
+            }
             file.as_file().sync_all()?;
             reach(Place::CheckpointRename);
             file.persist(&path)?;
@@ -167,6 +183,29 @@ impl Checkpoints {
         Ok(runs)
     }
 
+    /// Bytes of the run's file, and when it was last changed.
+    pub(super) fn size(&self, run: &str) -> Option<(u64, std::time::SystemTime)> {
+        let meta = std::fs::metadata(self.path(run)).ok()?;
+        Some((meta.len(), meta.modified().ok()?))
+    }
+
+    /// A checkpoint that was sent, as it would be read from its file.
+    ///
+    /// # Errors
+    /// `Damaged` when it is no checkpoint of this run, `OtherResults` when it is one of another
+    /// version of results.
+    pub fn parse(run: &str, mut bytes: &[u8]) -> Result<Checkpoint, CheckpointError> {
+        read(run, &mut bytes)
+    }
+
+    /// The run's file, when there is one.
+    ///
+    /// # Errors
+    /// When it cannot be opened.
+    pub fn file(&self, run: &str) -> Result<Option<File>, CheckpointError> {
+        self.open_file(run)
+    }
+
     fn open_file(&self, run: &str) -> Result<Option<File>, CheckpointError> {
         match File::open(self.path(run)) {
             Ok(file) => Ok(Some(file)),
@@ -223,7 +262,7 @@ fn write_part(file: &mut impl Write, part: &[u8]) -> std::io::Result<()> {
     file.write_all(part)
 }
 
-fn read(run: &str, file: &mut File) -> Result<Checkpoint, CheckpointError> {
+fn read(run: &str, file: &mut impl Read) -> Result<Checkpoint, CheckpointError> {
     let findings = read_findings(run, file)?;
     let snapshot = read_part(run, file)?;
     match file.read(&mut [0])? {
@@ -232,7 +271,7 @@ fn read(run: &str, file: &mut File) -> Result<Checkpoint, CheckpointError> {
     }
 }
 
-fn read_findings(run: &str, file: &mut File) -> Result<Findings, CheckpointError> {
+fn read_findings(run: &str, file: &mut impl Read) -> Result<Findings, CheckpointError> {
     match read_array(run, file)? {
         MAGIC => {}
         MAGIC_V3 => {
@@ -259,7 +298,7 @@ fn read_findings(run: &str, file: &mut File) -> Result<Findings, CheckpointError
     blobs.read().map_err(|(_, why)| damaged(run, why))
 }
 
-fn read_part(run: &str, file: &mut File) -> Result<Vec<u8>, CheckpointError> {
+fn read_part(run: &str, file: &mut impl Read) -> Result<Vec<u8>, CheckpointError> {
     let digest: [u8; 32] = read_array(run, file)?;
     let length = u64::from_le_bytes(read_array(run, file)?);
     // A damaged length must not make us ask for more memory than the file could fill.
@@ -272,7 +311,7 @@ fn read_part(run: &str, file: &mut File) -> Result<Vec<u8>, CheckpointError> {
     }
 }
 
-fn read_array<const N: usize>(run: &str, file: &mut File) -> Result<[u8; N], CheckpointError> {
+fn read_array<const N: usize>(run: &str, file: &mut impl Read) -> Result<[u8; N], CheckpointError> {
     let mut array = [0; N];
     match file.read_exact(&mut array) {
         Ok(()) => Ok(array),

@@ -126,6 +126,14 @@ impl Store {
         Ok(gone)
     }
 
+    /// Adds an entry to a run's log.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn note(&self, run: RunKey, what: &str) -> Result<(), StoreError> {
+        Ok(log(&self.connection(), run, what)?)
+    }
+
     /// Robot-steps that a run had done when it was last let go of.
     ///
     /// # Errors

@@ -34,6 +34,8 @@ pub struct NewRun {
     pub uploaded_arenas: Vec<String>,
     /// What of the job's matrix it has, in words.
     pub label: String,
+    /// Where it goes on from, as JSON, if it does not start at its beginning.
+    pub origin: Option<String>,
 }
 
 /// What tells a request for a job from others.
@@ -307,8 +309,8 @@ pub(super) fn add_run(connection: &Connection, run: &NewRun) -> rusqlite::Result
         .prepare_cached(
             "INSERT INTO runs
                 (id, seed, arena, method, epochs_total, robot_steps_total, step_cost, spec,
-                results_version)
-             VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9) ON CONFLICT (id) DO NOTHING",
+                results_version, origin)
+             VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10) ON CONFLICT (id) DO NOTHING",
         )?
         .execute(params![
             run.id,
@@ -319,7 +321,8 @@ pub(super) fn add_run(connection: &Connection, run: &NewRun) -> rusqlite::Result
             to_sql(run.robot_steps_total),
             run.step_cost,
             run.spec,
-            swarm::RESULTS_VERSION
+            swarm::RESULTS_VERSION,
+            run.origin
         ])?;
     let seq = connection
         .prepare_cached("SELECT seq FROM runs WHERE id = ?1")?

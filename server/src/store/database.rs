@@ -10,6 +10,7 @@ use rusqlite::Connection;
 
 use super::checkpoints::Checkpoints;
 use super::error::StoreError;
+use super::finals::Finals;
 use super::readers::{Reader, Readers};
 use super::{lock, look, migrations, private};
 
@@ -17,6 +18,10 @@ use super::{lock, look, migrations, private};
 pub(super) const DATABASE: &str = "evswarm.sqlite3";
 /// The folder of checkpoints.
 pub(super) const CHECKPOINTS: &str = "checkpoints";
+/// The folder of the states that runs go on from which do not start at their beginning.
+pub(super) const ORIGINS: &str = "origins";
+/// The folder of the last states of runs that are done.
+const FINALS: &str = "finals";
 
 /// Room below which the store is not ready for more, bytes.
 const LEAST_ROOM_BYTES: u64 = 16 << 20;
@@ -34,6 +39,8 @@ pub struct Store {
     /// Runs of jobs that are being stored which have no row yet.
     pub(super) reserved_runs: AtomicU64,
     pub(super) checkpoints: Checkpoints,
+    pub(super) origins: Checkpoints,
+    pub(super) finals: Finals,
     _lock: std::fs::File,
 }
 
@@ -66,6 +73,8 @@ impl Store {
             waiting_writers: AtomicU64::new(0),
             reserved_runs: AtomicU64::new(0),
             checkpoints,
+            origins: Checkpoints::open(&dir.join(ORIGINS))?,
+            finals: Finals::open(&dir.join(FINALS))?,
             _lock: lock,
         })
     }
@@ -73,6 +82,16 @@ impl Store {
     /// The checkpoints of runs that are not finished.
     pub fn checkpoints(&self) -> &Checkpoints {
         &self.checkpoints
+    }
+
+    /// The states that runs go on from which do not start at their beginning.
+    pub fn origins(&self) -> &Checkpoints {
+        &self.origins
+    }
+
+    /// The last states of runs that are done.
+    pub fn finals(&self) -> &Finals {
+        &self.finals
     }
 
     /// Whether the database answers, and there is room to store what comes.

@@ -19,6 +19,8 @@ pub struct ClaimedRun {
     pub spec: String,
     /// The step of its arena at which it is to be held.
     pub pause_at_step: Option<u64>,
+    /// It goes on from a state of another run.
+    pub has_origin: bool,
 }
 
 /// A run whose state was changed from outside, or that was deleted.
@@ -57,6 +59,8 @@ pub struct RunView {
     pub epochs_total: u32,
     /// Robot-steps in all.
     pub robot_steps_total: u64,
+    /// Where it goes on from, if it does not start at its beginning.
+    pub origin: Option<api::RunOrigin>,
 }
 
 impl RunView {
@@ -74,7 +78,7 @@ const PAGE: u32 = 1_000;
 
 pub(super) const VIEW: &str = "SELECT runs.seq, id, job, ordinal, seed, arena, method, state, phase,
         epochs_done, robot_steps_done, reason, epochs_total, robot_steps_total, result, result_sha256, label,
-        results_version
+        results_version, origin
     FROM job_runs JOIN runs ON runs.seq = job_runs.run
     LEFT JOIN results ON results.run = runs.seq";
 
@@ -101,6 +105,11 @@ impl Store {
             .query_map([], |row| row.get(0))?
             .collect::<Result<_, _>>()?;
         self.checkpoints().sweep(&unfinished)?;
+        let forked = connection
+            .prepare("SELECT id FROM runs WHERE origin IS NOT NULL")?
+            .query_map([], |row| row.get(0))?
+            .collect::<Result<_, _>>()?;
+        self.origins().sweep(&forked)?;
         let waiting = connection
             .prepare(
                 "SELECT job, run FROM job_runs JOIN jobs ON jobs.seq = job
@@ -163,7 +172,7 @@ impl Store {
             .connection()
             .prepare_cached(
                 "UPDATE runs SET state = 'running' WHERE seq = ?1 AND state = 'queued'
-                 RETURNING seq, id, spec, pause_at_step",
+                 RETURNING seq, id, spec, pause_at_step, origin IS NOT NULL",
             )?
             .query_row([run], |row| {
                 Ok(ClaimedRun {
@@ -171,6 +180,7 @@ impl Store {
                     id: row.get(1)?,
                     spec: row.get(2)?,
                     pause_at_step: row.get::<_, Option<i64>>(3)?.map(from_sql),
+                    has_origin: row.get(4)?,
                 })
             })
             .optional()?)
@@ -345,6 +355,7 @@ pub(super) fn view(row: &Row<'_>) -> Result<RunView, StoreError> {
             results_version: row.get("results_version").unwrap_or_default(),
             epochs_total: row.get("epochs_total").unwrap_or_default(),
             robot_steps_total: row.get("robot_steps_total").map_or(0, from_sql),
+            origin: None,
         })
     })
 }
@@ -362,10 +373,15 @@ fn view_whole(row: &Row<'_>) -> Result<RunView, StoreError> {
     });
     let result: Option<String> = row.get("result")?;
     let digest: Option<Vec<u8>> = row.get("result_sha256")?;
+    let origin: Option<String> = row.get("origin")?;
     let result = result
         .map(|text| read_result(&text, digest.as_deref()))
         .transpose()
         .map_err(|why| StoreError::damaged("result", &id, why))?;
+    let origin = origin
+        .map(|text| serde_json::from_str(&text))
+        .transpose()
+        .map_err(|why| StoreError::damaged("origin", &id, why))?;
     Ok(RunView {
         seq: row.get("seq")?,
         id,
@@ -379,6 +395,7 @@ fn view_whole(row: &Row<'_>) -> Result<RunView, StoreError> {
         results_version: row.get("results_version")?,
         epochs_total: row.get("epochs_total")?,
         robot_steps_total: from_sql(row.get("robot_steps_total")?),
+        origin,
     })
 }
 

@@ -19,6 +19,7 @@ fn new_run(id: &str) -> NewRun {
         step_cost: 1,
         uploaded_arenas: Vec::new(),
         label: format!("of {id}"),
+        origin: None,
     }
 }
 

@@ -6,6 +6,7 @@ mod contract;
 mod control;
 mod damage;
 mod exports;
+mod forks;
 mod jobs;
 mod objects;
 mod openapi;
