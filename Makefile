@@ -10,7 +10,7 @@ CARGO_DENY_VERSION := 0.20.2
 
 DASHBOARD := server/dashboard
 
-.PHONY: build run dashboard test test-rust test-python test-dashboard lint circles deny bench figures
+.PHONY: build run dashboard test test-rust test-python test-contract test-dashboard lint circles deny bench figures
 
 build:
 	$(CARGO) build --release --workspace --bins --examples
@@ -31,7 +31,7 @@ run: build
 		break; \
 	done) & exec $(EVSWARM) serve --listen $(LISTEN) --data $(DATA)
 
-test: test-rust test-python test-dashboard
+test: test-rust test-python test-contract test-dashboard
 
 # The end-to-end tests start the binaries that `build` makes.
 test-rust: build
@@ -55,6 +55,21 @@ VENV := $(TARGET)/python
 test-python: build $(VENV)/made
 	cd clients/python && $(abspath $(VENV))/bin/ruff check . && $(abspath $(VENV))/bin/mypy \
 		&& CARGO_TARGET_DIR=$(abspath $(TARGET)) $(abspath $(VENV))/bin/python -m pytest
+
+# The OpenAPI document against a real server, by requests made of it at random.
+SCHEMATHESIS_VERSION := 4.32.5
+CONTRACT_VENV := $(TARGET)/contract
+CONTRACT_SECONDS ?= 60
+CONTRACT_SEED ?= 1
+test-contract: build $(CONTRACT_VENV)/made-$(SCHEMATHESIS_VERSION)
+	loadtests/contract/run.sh $(abspath $(EVSWARM)) $(abspath $(CONTRACT_VENV))/bin/schemathesis \
+		$(CONTRACT_SECONDS) $(CONTRACT_SEED)
+
+$(CONTRACT_VENV)/made-$(SCHEMATHESIS_VERSION):
+	python3 -m venv $(CONTRACT_VENV)
+	$(CONTRACT_VENV)/bin/pip install --quiet --disable-pip-version-check \
+		schemathesis==$(SCHEMATHESIS_VERSION)
+	touch $@
 
 $(VENV)/made: clients/python/pyproject.toml
 	python3 -m venv $(VENV)

@@ -32,8 +32,8 @@ pub use result::{
     MetricsRow, ModelAccuracy, ObjectResult, RunResult, Squares,
 };
 pub use spec::{
-    ArenaRef, ControllerSpec, JobSpec, PlacementSpec, RecordSpec, RobotSpec, RunSpec, SCHEMA,
-    Seeds, SharingSpec, TrainSpec,
+    ArenaRef, ControllerSpec, JobPart, JobSpec, PlacementSpec, RecordSpec, RobotSpec, RunSpec,
+    SCHEMA, Seeds, SharingSpec, TrainSpec,
 };
 pub use state::{Progress, State};
 pub use summary::JobSummary;

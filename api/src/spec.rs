@@ -164,9 +164,30 @@ pub struct JobSpec {
     /// Seeds to repeat each combination with.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seeds: Option<Seeds>,
+    /// Instead of a matrix: jobs of their own, each with a base put over this one's.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub parts: Vec<JobPart>,
     /// Name of a prepared job; stands alone, or with `name`, `base` and `seeds` that override its own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub template: Option<String>,
+}
+
+/// A part of a job.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct JobPart {
+    /// Its name, no other part's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// Put over the job's base, field by field.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub base: Option<RunSpec>,
+    /// As of a job.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub matrix: BTreeMap<String, Vec<Value>>,
+    /// As of a job, whose seeds it has where it says nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seeds: Option<Seeds>,
 }
 
 /// Seeds of a job.

@@ -61,13 +61,15 @@ pub use format::{ArenaFormat, DEFAULT_SQUARES, SquaresFormat};
 pub use gates::{Gate, gates_at_the_limit};
 pub use generate::{GenerateFormat, GeneratorKind, ObstacleShape, Parameter};
 pub use objects::{
-    MAX_OBJECTS, Movable, OBJECT_FRICTION_RANGE, OBJECT_MASS_RANGE_KG, OBJECT_SIZE_RANGE_M,
+    DEFAULT_OBJECT_FRICTION, DEFAULT_OBJECT_MASS_KG, MAX_OBJECTS, Movable, OBJECT_FRICTION_RANGE,
+    OBJECT_HEADING_RANGE_RAD, OBJECT_MASS_RANGE_KG, OBJECT_PLACE_RANGE_M, OBJECT_SIZE_RANGE_M,
 };
 pub use reachable::{Reachable, WithinReach, reachable, reachable_from};
 pub use segment::Segment;
 pub use squares::Squares;
 pub use svg::{SvgOptions, render_svg};
-pub use tile::Tiling;
+pub use tile::{SCALE_RANGE, Tiling};
 pub use validate::{
-    MAX_STARTS, MAX_WALLS, MIN_WALL_LENGTH_M, SIDE_RANGE_M, SQUARES_RANGE, WALL_TOLERANCE_M,
+    MAX_NAME_LENGTH, MAX_STARTS, MAX_WALLS, MIN_WALL_LENGTH_M, SIDE_RANGE_M, SQUARES_RANGE,
+    WALL_TOLERANCE_M,
 };

@@ -15,12 +15,21 @@ pub const OBJECT_MASS_RANGE_KG: [f64; 2] = [0.02, 10.0];
 /// Range of friction coefficients.
 pub const OBJECT_FRICTION_RANGE: [f64; 2] = [0.0, 10.0];
 
+/// Range of centres, metres.
+pub const OBJECT_PLACE_RANGE_M: [f64; 2] = [0.0, 1000.0];
+/// Range of headings.
+pub const OBJECT_HEADING_RANGE_RAD: [f64; 2] = [-1000.0, 1000.0];
+/// Mass if left out, kilograms.
+pub const DEFAULT_OBJECT_MASS_KG: f64 = 0.05;
+/// Friction coefficient if left out.
+pub const DEFAULT_OBJECT_FRICTION: f64 = 0.3;
+
 fn default_mass_kg() -> f64 {
-    0.05
+    DEFAULT_OBJECT_MASS_KG
 }
 
 fn default_friction() -> f64 {
-    0.3
+    DEFAULT_OBJECT_FRICTION
 }
 
 /// An object at its start pose.
@@ -318,8 +327,8 @@ fn figures(object: &Movable, pointer: &str, errors: &mut Vec<ArenaError>) {
         }
     };
     let centre = object.centre();
-    range("x_m", centre.x, [0.0, 1000.0]);
-    range("y_m", centre.y, [0.0, 1000.0]);
+    range("x_m", centre.x, OBJECT_PLACE_RANGE_M);
+    range("y_m", centre.y, OBJECT_PLACE_RANGE_M);
     range("mass_kg", object.mass_kg(), OBJECT_MASS_RANGE_KG);
     range("friction", object.friction(), OBJECT_FRICTION_RANGE);
     match *object {
@@ -331,7 +340,7 @@ fn figures(object: &Movable, pointer: &str, errors: &mut Vec<ArenaError>) {
         } => {
             range("width_m", width_m, OBJECT_SIZE_RANGE_M);
             range("height_m", height_m, OBJECT_SIZE_RANGE_M);
-            range("heading_rad", heading_rad, [-1000.0, 1000.0]);
+            range("heading_rad", heading_rad, OBJECT_HEADING_RANGE_RAD);
         }
         Movable::Disc { radius_m, .. } => {
             range(

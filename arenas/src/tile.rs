@@ -11,7 +11,7 @@ use crate::validate::{
 };
 
 /// Range of [`Tiling::scale`].
-const SCALE_RANGE: [f64; 2] = [0.01, 100.0];
+pub const SCALE_RANGE: [f64; 2] = [0.01, 100.0];
 
 /// How an arena is repeated. Movable objects go along; their size stays, as that of robots does.
 #[derive(Clone, Debug, PartialEq)]

@@ -15,7 +15,8 @@ pub const MIN_WALL_LENGTH_M: f64 = 1e-6;
 pub const SQUARES_RANGE: [u32; 2] = [1, 1000];
 /// A wall may leave the rectangle by this much, metres, so that rounded decimals are no error.
 pub const WALL_TOLERANCE_M: f64 = 1e-9;
-const MAX_NAME_LENGTH: usize = 64;
+/// Longest name, in characters.
+pub const MAX_NAME_LENGTH: usize = 64;
 
 pub(crate) const NAME_ALLOWED: &str =
     "1 to 64 characters of a-z 0-9 . _ -, the first a letter or a digit";

@@ -1,11 +1,12 @@
 //! Benchmarks of the step loop (cases with goals, measured in turn, compared with earlier figures)
-//! load on the service, and faults of it.
+//! load on the service, faults of it, and inputs at random.
 
 pub mod cases;
 mod client;
 pub mod compare;
 pub mod document;
 pub mod faults;
+pub mod fuzz;
 pub mod instructions;
 pub mod measure;
 pub mod picture;

@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use clap::{Parser, Subcommand};
 use loadtests::cases::{self, Case};
 use loadtests::measure::{Figure, measure};
-use loadtests::{compare, document, faults, instructions, picture, service, table};
+use loadtests::{compare, document, faults, fuzz, instructions, picture, service, table};
 
 /// Benchmarks of the step loop: CPU nanoseconds a robot-step, on one thread.
 #[derive(Parser)]
@@ -56,6 +56,8 @@ enum Other {
     Http(service::Options),
     /// The service killed again and again while jobs of all kinds are posted and changed.
     Faults(faults::Options),
+    /// Documents and checkpoints changed at random: no panic, none above two seconds.
+    Fuzz(fuzz::Options),
 }
 
 fn main() -> Result<()> {
@@ -63,6 +65,7 @@ fn main() -> Result<()> {
     match &options.other {
         Some(Other::Http(options)) => return service::run(options),
         Some(Other::Faults(options)) => return faults::run(options),
+        Some(Other::Fuzz(options)) => return fuzz::run(options),
         None => {}
     }
     let cases: Vec<Case> = cases::all()

@@ -8,14 +8,31 @@ use arenas::{Arena, ArenaFormat, Pose, SquaresFormat, Tiling};
 use serde_json::Value;
 use serde_path_to_error::Segment;
 
+use super::domains::SCHEMA_LINK;
 use super::fields::{Errors, Object, did_you_mean, join, kind};
 
 /// Fields of an arena object.
-const FIELDS: [&str; 8] = [
-    "name", "width_m", "height_m", "squares", "walls_m", "generate", "starts", "objects",
+pub(super) const FIELDS: [&str; 9] = [
+    SCHEMA_LINK,
+    "name",
+    "width_m",
+    "height_m",
+    "squares",
+    "walls_m",
+    "generate",
+    "starts",
+    "objects",
 ];
 /// Fields of an arena made of another.
-const TILED_FIELDS: [&str; 6] = ["from", "tile", "scale", "doorway_m", "squares", "name"];
+pub(super) const TILED_FIELDS: [&str; 7] = [
+    SCHEMA_LINK,
+    "from",
+    "tile",
+    "scale",
+    "doorway_m",
+    "squares",
+    "name",
+];
 /// Deepest that such objects may hold each other.
 const MAX_DEPTH: u32 = 4;
 /// Most walls and starts of all arenas of a job together: 128 MB.
@@ -261,7 +278,14 @@ pub fn read_arena(value: &Value) -> Result<Arena, Vec<FieldError>> {
     if !errors.is_empty() {
         return Err(errors.into_vec());
     }
-    let format: ArenaFormat = serde_path_to_error::deserialize(value).map_err(|error| {
+    let mut plain = std::borrow::Cow::Borrowed(value);
+    if value.get(SCHEMA_LINK).is_some() {
+        plain
+            .to_mut()
+            .as_object_mut()
+            .map(|arena| arena.remove(SCHEMA_LINK));
+    }
+    let format: ArenaFormat = serde_path_to_error::deserialize(&*plain).map_err(|error| {
         let pointer = pointer_of(error.path());
         vec![FieldError::new(
             pointer,

@@ -9,13 +9,32 @@ use swarm::robot::{Preset, RobotModel, RobotParameters};
 use swarm::spec::{ControllerParameters, ControllerSpec, Method, Training};
 
 use super::arena::Arenas;
+use super::domains::{Choice, Whole};
 use super::fields::{Errors, Object, kind};
 use super::limits::MAX_EPOCHS;
 use super::listing::shown_value;
 
-const DEFAULT_METHOD: Method = Method::EvIterC;
-const DEFAULT_TRAINING_ARENA: &str = "easy";
-const DEFAULT_TRAINING_EPOCHS: u64 = 200;
+pub(super) const METHOD: Choice<Method> = Choice {
+    name: "method",
+    names: Method::NAMES,
+    read: Method::from_name,
+    shown: Method::name,
+    default: Method::EvIterC,
+};
+pub(super) const PRESET: Choice<Preset> = Choice {
+    name: "preset",
+    names: Preset::NAMES,
+    read: Preset::from_name,
+    shown: Preset::name,
+    default: Preset::Thesis,
+};
+pub(super) const DEFAULT_TRAINING_ARENA: &str = "easy";
+pub(super) const TRAINING_EPOCHS: Whole = Whole {
+    name: "epochs",
+    min: 1,
+    max: MAX_EPOCHS,
+    default: 200,
+};
 
 /// Resolves `controller`, and says how it is shown with every default.
 pub fn controller(
@@ -28,13 +47,7 @@ pub fn controller(
         .chain(names(ControllerParameters::TABLE))
         .chain(Method::ALL.iter().flat_map(|&method| own_names(method)));
     let object = Object::open(value, "/controller", known, errors)?;
-    let method = object.choice(
-        "method",
-        Method::NAMES,
-        Method::from_name,
-        DEFAULT_METHOD,
-        errors,
-    );
+    let method = object.choice(&METHOD, errors);
     let mut parameters = ControllerParameters::default();
     set_all(
         &object,
@@ -118,7 +131,7 @@ fn training(
     let named = object.get("arena").unwrap_or(&default);
     let found = arenas.read(named, &object.pointer("arena"), errors);
     // MAX_EPOCHS fits in 32 bits.
-    let epochs = object.whole("epochs", 1, MAX_EPOCHS, DEFAULT_TRAINING_EPOCHS, errors) as u32;
+    let epochs = object.whole(&TRAINING_EPOCHS, errors) as u32;
     let found = found?;
     let shown = api::TrainSpec {
         arena: Some(found.shown),
@@ -137,13 +150,7 @@ fn training(
 pub fn robot(value: &Value, errors: &mut Errors) -> Option<(RobotModel, api::RobotSpec)> {
     let known = std::iter::once("preset").chain(names(RobotParameters::TABLE));
     let object = Object::open(value, "/robot", known, errors)?;
-    let preset = object.choice(
-        "preset",
-        Preset::NAMES,
-        Preset::from_name,
-        Preset::Thesis,
-        errors,
-    );
+    let preset = object.choice(&PRESET, errors);
     let mut model = RobotModel::preset(preset);
     set_all(
         &object,

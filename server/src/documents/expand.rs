@@ -3,11 +3,12 @@
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
-use api::{FieldError, SCHEMA};
+use api::FieldError;
 use serde_json::{Map, Value};
 
 use super::arena::{ArenaSource, Arenas};
 use super::design::Design;
+use super::domains::{SCHEMA_LINK, Whole};
 use super::fields::{Errors, Object, did_you_mean, join, kind};
 use super::labels::labels;
 use super::limits::MAX_SEED;
@@ -15,22 +16,41 @@ use super::matrix::{Axis, Target, axes, combination, place_of};
 use super::method_parameters::has_parameter;
 use super::parts::{Part, parts};
 use super::placement::misfits;
-use super::resolve::resolve_with;
+use super::resolve::{VERSION, resolve_with};
 use super::resolved::ResolvedRun;
 use super::templates::prepared;
 
 /// Most runs of a job.
 pub const MAX_RUNS: usize = 100_000;
 /// Longest name of a job, in characters.
-const MAX_NAME: usize = 200;
+pub(super) const MAX_NAME: usize = 200;
 /// Most bytes of JSON that expanding goes through: each combination is read anew.
 const MAX_BYTES: usize = 256 << 20;
 /// Wrong fields after which no more combinations are tried.
 const ENOUGH_ERRORS: usize = 100;
 
-pub(super) const FIELDS: [&str; 7] = [
-    "schema", "name", "base", "matrix", "seeds", "parts", "template",
+pub(super) const FIELDS: [&str; 8] = [
+    SCHEMA_LINK,
+    "schema",
+    "name",
+    "base",
+    "matrix",
+    "seeds",
+    "parts",
+    "template",
 ];
+pub(super) const FIRST_SEED: Whole = Whole {
+    name: "first",
+    min: 0,
+    max: MAX_SEED,
+    default: 1,
+};
+pub(super) const SEED_COUNT: Whole = Whole {
+    name: "count",
+    min: 1,
+    max: MAX_RUNS as u64,
+    default: 1,
+};
 
 /// A job's runs.
 #[derive(Clone, Debug, Default)]
@@ -205,8 +225,7 @@ fn product(
     errors: &mut Errors,
 ) -> Option<ExpandedJob> {
     let object = Object::open(job, "", FIELDS, errors)?;
-    let schema = u64::from(SCHEMA);
-    object.whole("schema", schema, schema, schema, errors);
+    object.whole(&VERSION, errors);
     let name = name(&object, errors);
     let empty = Value::Object(Map::new());
     let base = object.get("base").unwrap_or(&empty);
@@ -331,8 +350,8 @@ fn seeds(object: &Object<'_>, base: &Value, errors: &mut Errors) -> Option<Vec<u
         }
         Some(range @ Value::Object(_)) => {
             let range = Object::open(range, "/seeds", ["first", "count"], errors)?;
-            let first = range.whole("first", 0, MAX_SEED, 1, errors);
-            let count = range.whole("count", 1, MAX_RUNS as u64, 1, errors);
+            let first = range.whole(&FIRST_SEED, errors);
+            let count = range.whole(&SEED_COUNT, errors);
             if first + (count - 1) > MAX_SEED {
                 errors.add(
                     "/seeds",

@@ -3,6 +3,8 @@
 use api::FieldError;
 use serde_json::{Map, Value};
 
+use super::domains::{Choice, Flag, SCHEMA_LINK, Whole};
+
 /// Errors that are listed; the others are counted.
 pub const LISTED_ERRORS: usize = 100;
 /// Most characters of a pointer, a message or what is allowed.
@@ -128,6 +130,13 @@ impl<'a> Object<'a> {
                 known.join(", "),
             );
         }
+        if known.contains(&SCHEMA_LINK)
+            && let Some(link) = map.get(SCHEMA_LINK).filter(|link| !link.is_string())
+        {
+            let message = format!("must be a string, not {}", kind(link));
+            let allowed = "where an editor finds the JSON Schema, or nothing";
+            errors.add(join(pointer, SCHEMA_LINK), message, allowed);
+        }
         Some(Self {
             map,
             pointer: pointer.to_owned(),
@@ -144,63 +153,57 @@ impl<'a> Object<'a> {
         join(&self.pointer, name)
     }
 
-    /// A whole number in `min..=max`; `default` when absent or wrong.
-    pub fn whole(&self, name: &str, min: u64, max: u64, default: u64, errors: &mut Errors) -> u64 {
-        let Some(value) = self.get(name) else {
-            return default;
+    /// A whole number; its default when absent or wrong.
+    pub fn whole(&self, field: &Whole, errors: &mut Errors) -> u64 {
+        let Some(value) = self.get(field.name) else {
+            return field.default;
         };
-        let allowed = format!("a whole number from {min} to {max}");
+        let allowed = format!("a whole number from {} to {}", field.min, field.max);
         match read_whole(value) {
-            Some(number) if (min..=max).contains(&number) => number,
+            Some(number) if (field.min..=field.max).contains(&number) => number,
             _ => {
                 let message = match value {
                     Value::Number(number) => format!("{number} is not {allowed}"),
                     _ => format!("must be a number, not {}", kind(value)),
                 };
-                errors.add(self.pointer(name), message, allowed);
-                default
+                errors.add(self.pointer(field.name), message, allowed);
+                field.default
             }
         }
     }
 
-    /// `true` or `false`; `default` when absent or wrong.
-    pub fn flag(&self, name: &str, default: bool, errors: &mut Errors) -> bool {
-        match self.get(name) {
-            None => default,
+    /// `true` or `false`; its default when absent or wrong.
+    pub fn flag(&self, field: &Flag, errors: &mut Errors) -> bool {
+        match self.get(field.name) {
+            None => field.default,
             Some(Value::Bool(flag)) => *flag,
             Some(value) => {
                 let message = format!("must be true or false, not {}", kind(value));
-                errors.add(self.pointer(name), message, "true, false");
-                default
+                errors.add(self.pointer(field.name), message, "true, false");
+                field.default
             }
         }
     }
 
-    /// One of `names`, turned into a value by `read`; `default` when absent or wrong.
-    pub fn choice<T>(
-        &self,
-        name: &str,
-        names: &[&str],
-        read: impl Fn(&str) -> Option<T>,
-        default: T,
-        errors: &mut Errors,
-    ) -> T {
+    /// What one of some names stands for; its default when absent or wrong.
+    pub fn choice<T: Copy>(&self, field: &Choice<T>, errors: &mut Errors) -> T {
+        let name = field.name;
         let Some(value) = self.get(name) else {
-            return default;
+            return field.default;
         };
         let message = match value {
-            Value::String(text) => match read(text) {
+            Value::String(text) => match (field.read)(text) {
                 Some(choice) => return choice,
                 None => format!(
                     "there is no {name} {:?}{}",
                     in_short(text),
-                    did_you_mean(text, names)
+                    did_you_mean(text, field.names)
                 ),
             },
             _ => format!("must be a string, not {}", kind(value)),
         };
-        errors.add(self.pointer(name), message, names.join(", "));
-        default
+        errors.add(self.pointer(name), message, field.names.join(", "));
+        field.default
     }
 }
 

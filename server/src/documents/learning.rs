@@ -8,18 +8,37 @@ use swarm::spec::{
     Sharing, SharingMode,
 };
 
+use super::domains::{Choice, Whole};
 use super::fields::{Errors, Object, did_you_mean, kind};
 
 /// Budgets by name.
-const BUDGETS: [(&str, u64); 2] = [("e-puck", E_PUCK_BYTES), ("e-puck2", E_PUCK2_BYTES)];
-/// Largest budget, 1 GiB a robot.
-const MOST_BUDGET_BYTES: u64 = 1 << 30;
+pub(super) const BUDGETS: [(&str, u64); 2] = [("e-puck", E_PUCK_BYTES), ("e-puck2", E_PUCK2_BYTES)];
+/// A budget as a number of bytes, at most 1 GiB a robot.
+pub(super) const BUDGET: Whole = Whole {
+    name: "memory_budget_bytes",
+    min: 1,
+    max: 1 << 30,
+    default: 1 << 30,
+};
 /// Farthest that a radio may reach short of everywhere.
-const MOST_RANGE_M: f64 = 100.0;
+pub(super) const MOST_RANGE_M: f64 = 100.0;
+pub(super) const MODE: Choice<SharingMode> = Choice {
+    name: "mode",
+    names: SharingMode::NAMES,
+    read: SharingMode::from_name,
+    shown: SharingMode::name,
+    default: SharingMode::None,
+};
+pub(super) const BYTES_PER_STEP: Whole = Whole {
+    name: "bytes_per_step",
+    min: LEAST_BYTES_PER_STEP as u64,
+    max: MOST_BYTES_PER_STEP as u64,
+    default: DEFAULT_BYTES_PER_STEP as u64,
+};
 
 /// A budget in bytes: a number, a robot's name, or null for none.
 pub fn memory_budget_bytes(spec: &Object<'_>, errors: &mut Errors) -> Option<u64> {
-    let name = "memory_budget_bytes";
+    let name = BUDGET.name;
     let value = spec.get(name)?;
     let names = BUDGETS.map(|(name, _)| name);
     let message = match value {
@@ -29,12 +48,13 @@ pub fn memory_budget_bytes(spec: &Object<'_>, errors: &mut Errors) -> Option<u64
             None => format!("there is no budget {text:?}{}", did_you_mean(text, &names)),
         },
         Value::Number(_) => {
-            return Some(spec.whole(name, 1, MOST_BUDGET_BYTES, MOST_BUDGET_BYTES, errors));
+            return Some(spec.whole(&BUDGET, errors));
         }
         _ => format!("must be a number, a name or null, not {}", kind(value)),
     };
     let allowed = format!(
-        "a whole number of bytes to {MOST_BUDGET_BYTES}, {} or null",
+        "a whole number of bytes to {}, {} or null",
+        BUDGET.max,
         names.join(", ")
     );
     errors.add(spec.pointer(name), message, allowed);
@@ -45,13 +65,7 @@ pub fn memory_budget_bytes(spec: &Object<'_>, errors: &mut Errors) -> Option<u64
 pub fn sharing(value: &Value, errors: &mut Errors) -> Option<(Sharing, SharingSpec)> {
     let known = ["mode", "range_m", "bytes_per_step"];
     let object = Object::open(value, "/sharing", known, errors)?;
-    let mode = object.choice(
-        "mode",
-        SharingMode::NAMES,
-        SharingMode::from_name,
-        SharingMode::None,
-        errors,
-    );
+    let mode = object.choice(&MODE, errors);
     let mut shown = SharingSpec {
         mode: Some(mode.name().to_owned()),
         ..SharingSpec::default()
@@ -70,13 +84,8 @@ pub fn sharing(value: &Value, errors: &mut Errors) -> Option<(Sharing, SharingSp
         return Some((sharing, shown));
     }
     let range_m = range_m(&object, errors);
-    let (least, most) = (
-        u64::from(LEAST_BYTES_PER_STEP),
-        u64::from(MOST_BYTES_PER_STEP),
-    );
-    let default = u64::from(DEFAULT_BYTES_PER_STEP);
     // The most fits in 32 bits.
-    let bytes_per_step = object.whole("bytes_per_step", least, most, default, errors) as u32;
+    let bytes_per_step = object.whole(&BYTES_PER_STEP, errors) as u32;
     shown.range_m = Some(range_m);
     shown.bytes_per_step = Some(bytes_per_step);
     let link = RadioLink {

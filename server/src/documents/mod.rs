@@ -5,6 +5,7 @@
 mod arena;
 mod controller;
 mod design;
+mod domains;
 mod expand;
 mod extend;
 mod fields;

@@ -8,9 +8,12 @@ use serde_json::{Map, Value};
 use super::fields::{Errors, Object, join, kind};
 
 /// Most parts of a job.
-const MAX_PARTS: usize = 32;
+pub(super) const MAX_PARTS: usize = 32;
 
-const FIELDS: [&str; 4] = ["name", "base", "matrix", "seeds"];
+/// Longest name of a part, in characters.
+pub(super) const MAX_NAME: usize = 40;
+
+pub(super) const FIELDS: [&str; 4] = ["name", "base", "matrix", "seeds"];
 
 /// One part.
 pub struct Part {
@@ -89,12 +92,12 @@ fn part(job: &Value, place: usize, own: &Value, errors: &mut Errors) -> Option<P
     let object = Object::open(own, &pointer, FIELDS, errors)?;
     let name = match object.get("name") {
         None => format!("part {}", place + 1),
-        Some(Value::String(name)) if (1..=40).contains(&name.chars().count()) => name.clone(),
+        Some(Value::String(name)) if (1..=MAX_NAME).contains(&name.chars().count()) => name.clone(),
         Some(_) => {
             errors.add(
                 join(&pointer, "name"),
                 "is no name of a part",
-                "a string of 1 to 40 characters",
+                format!("a string of 1 to {MAX_NAME} characters"),
             );
             return None;
         }

@@ -8,6 +8,7 @@ use serde_json::Value;
 use swarm::run::check_placement;
 use swarm::spec::{Placement, RunSpec};
 
+use super::domains::{Choice, Flag};
 use super::fields::{Errors, Object, field_error};
 use super::resolved::ResolvedRun;
 
@@ -16,24 +17,34 @@ const ENOUGH_ROBOTS: u64 = 1_000_000;
 /// Wrong combinations after which no more are looked for.
 const ENOUGH_ERRORS: usize = 100;
 
+/// A kind of placement, as the field itself or within its object.
+const fn kinds(name: &'static str) -> Choice<Placement> {
+    Choice {
+        name,
+        names: &Placement::KINDS,
+        read: |text| Placement::from_name(text).filter(|placement| !placement.is_anywhere()),
+        shown: Placement::kind,
+        default: Placement::Start,
+    }
+}
+pub(super) const KIND_ALONE: Choice<Placement> = kinds("placement");
+pub(super) const KIND: Choice<Placement> = kinds("kind");
+pub(super) const ANYWHERE: Flag = Flag {
+    name: "anywhere",
+    default: false,
+};
+
 /// Reads `placement`: one of its kinds, or `{"kind": "random", "anywhere": true}`.
 pub fn read(spec: &Object<'_>, errors: &mut Errors) -> Placement {
-    let kind = |object: &Object<'_>, name: &str, errors: &mut Errors| {
-        let known = |text: &str| {
-            let placement = Placement::from_name(text)?;
-            (!placement.is_anywhere()).then_some(placement)
-        };
-        object.choice(name, &Placement::KINDS, known, Placement::Start, errors)
-    };
     let Some(value @ Value::Object(_)) = spec.get("placement") else {
-        return kind(spec, "placement", errors);
+        return spec.choice(&KIND_ALONE, errors);
     };
     let pointer = spec.pointer("placement");
     let Some(object) = Object::open(value, &pointer, ["kind", "anywhere"], errors) else {
         return Placement::Start;
     };
-    let placement = kind(&object, "kind", errors);
-    if !object.flag("anywhere", false, errors) {
+    let placement = object.choice(&KIND, errors);
+    if !object.flag(&ANYWHERE, errors) {
         return placement;
     }
     placement.anywhere().unwrap_or_else(|| {

@@ -6,6 +6,7 @@ use swarm::spec::{EngineKind, Episodes, RunSpec};
 
 use super::arena::{ArenaSource, Arenas};
 use super::controller;
+use super::domains::{Choice, Flag, SCHEMA_LINK, Whole};
 use super::fields::{Errors, Object, field_error};
 use super::learning;
 use super::limits::{MAX_EPOCHS, MAX_ROBOTS, MAX_SEED, MAX_STEPS_PER_EPOCH};
@@ -13,7 +14,8 @@ use super::placement;
 use super::resolved::ResolvedRun;
 
 /// Fields of a run spec.
-pub(super) const FIELDS: [&str; 15] = [
+pub(super) const FIELDS: [&str; 16] = [
+    SCHEMA_LINK,
     "schema",
     "seed",
     "arena",
@@ -30,6 +32,63 @@ pub(super) const FIELDS: [&str; 15] = [
     "record",
     "channels",
 ];
+
+/// Version of the format.
+pub(super) const VERSION: Whole = Whole {
+    name: "schema",
+    min: SCHEMA as u64,
+    max: SCHEMA as u64,
+    default: SCHEMA as u64,
+};
+pub(super) const SEED: Whole = Whole {
+    name: "seed",
+    min: 0,
+    max: MAX_SEED,
+    default: 1,
+};
+pub(super) const DEFAULT_ARENA: &str = "maze";
+pub(super) const EPOCHS: Whole = Whole {
+    name: "epochs",
+    min: 1,
+    max: MAX_EPOCHS,
+    default: 2_000,
+};
+pub(super) const STEPS_PER_EPOCH: Whole = Whole {
+    name: "steps_per_epoch",
+    min: 1,
+    max: MAX_STEPS_PER_EPOCH,
+    default: 2_000,
+};
+pub(super) const ROBOTS: Whole = Whole {
+    name: "robots",
+    min: 1,
+    max: MAX_ROBOTS,
+    default: 1,
+};
+pub(super) const EPISODES: Choice<Episodes> = Choice {
+    name: "episodes",
+    names: Episodes::NAMES,
+    read: Episodes::from_name,
+    shown: Episodes::name,
+    default: Episodes::Reset,
+};
+pub(super) const ENGINE: Choice<EngineKind> = Choice {
+    name: "engine",
+    names: EngineKind::NAMES,
+    read: EngineKind::from_name,
+    shown: EngineKind::name,
+    default: EngineKind::Kinematic,
+};
+pub(super) const EVERY_STEPS: Whole = Whole {
+    name: "every_steps",
+    min: 0,
+    max: u32::MAX as u64,
+    default: 0,
+};
+pub(super) const CHANNELS: Flag = Flag {
+    name: "channels",
+    default: false,
+};
 
 /// Checks a run spec and fills in every default.
 ///
@@ -65,37 +124,24 @@ fn read(
     let empty = Value::Object(serde_json::Map::new());
     let section = |name| object.get(name).unwrap_or(&empty);
 
-    let schema = u64::from(SCHEMA);
-    object.whole("schema", schema, schema, schema, errors);
-    let seed = object.whole("seed", 0, MAX_SEED, 1, errors);
-    let default_arena = Value::from("maze");
+    object.whole(&VERSION, errors);
+    let seed = object.whole(&SEED, errors);
+    let default_arena = Value::from(DEFAULT_ARENA);
     let arena = object.get("arena").unwrap_or(&default_arena);
     let arena = arenas.read(arena, "/arena", errors);
     let controller = controller::controller(section("controller"), arenas, errors);
     // The caps of the three are of 32 bits.
-    let epochs = object.whole("epochs", 1, MAX_EPOCHS, 2_000, errors) as u32;
-    let steps = object.whole("steps_per_epoch", 1, MAX_STEPS_PER_EPOCH, 2_000, errors) as u32;
-    let robots = object.whole("robots", 1, MAX_ROBOTS, 1, errors) as u32;
+    let epochs = object.whole(&EPOCHS, errors) as u32;
+    let steps = object.whole(&STEPS_PER_EPOCH, errors) as u32;
+    let robots = object.whole(&ROBOTS, errors) as u32;
     let placement = placement::read(&object, errors);
-    let episodes = object.choice(
-        "episodes",
-        Episodes::NAMES,
-        Episodes::from_name,
-        Episodes::Reset,
-        errors,
-    );
+    let episodes = object.choice(&EPISODES, errors);
     let robot = controller::robot(section("robot"), errors);
-    let engine = object.choice(
-        "engine",
-        EngineKind::NAMES,
-        EngineKind::from_name,
-        EngineKind::Kinematic,
-        errors,
-    );
+    let engine = object.choice(&ENGINE, errors);
     let memory_budget_bytes = learning::memory_budget_bytes(&object, errors);
     let sharing = learning::sharing(section("sharing"), errors);
     record(section("record"), errors);
-    let channels = object.flag("channels", false, errors);
+    let channels = object.flag(&CHANNELS, errors);
 
     let (arena, (controller, controller_shown), (robot, robot_shown), (sharing, sharing_shown)) =
         (arena?, controller?, robot?, sharing?);
@@ -140,7 +186,7 @@ fn record(value: &Value, errors: &mut Errors) {
     let Some(object) = Object::open(value, "/record", ["every_steps"], errors) else {
         return;
     };
-    if object.whole("every_steps", 0, u64::from(u32::MAX), 0, errors) != 0 {
+    if object.whole(&EVERY_STEPS, errors) != 0 {
         errors.add(
             object.pointer("every_steps"),
             "recording is not supported yet",

@@ -54,7 +54,8 @@ fn resolving_what_was_resolved_changes_nothing() {
 fn every_field_of_the_contract_is_shown_in_its_order() {
     let text = resolved(json!({ "epochs": 3 })).canonical_json();
     let mut rest = text.as_str();
-    for field in resolve::FIELDS {
+    let shown = resolve::FIELDS.into_iter();
+    for field in shown.filter(|field| *field != domains::SCHEMA_LINK) {
         let (_, after) = rest
             .split_once(&format!("\n  \"{field}\": "))
             .unwrap_or_else(|| panic!("no {field}"));

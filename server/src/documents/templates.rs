@@ -54,6 +54,11 @@ pub fn chapter_5(arenas: &[&str], base: Value, seeds: u32, rapier_seeds: u32) ->
     json!({ "base": base, "seeds": { "first": 1, "count": seeds }, "parts": parts })
 }
 
+/// Names of the templates.
+pub(super) fn names() -> [&'static str; 2] {
+    prepared().map(|(name, ..)| name)
+}
+
 /// Every template: its name, what it is about, and the job.
 pub(super) fn prepared() -> [(&'static str, &'static str, Value); 2] {
     [

@@ -19,6 +19,8 @@ use crate::documents::{ArenaSource, BuiltinArenas, read_arena};
 use crate::scheduler::StoredArenas;
 use crate::store::{ArenaDeletion, StoredArena};
 
+/// The one name that is a route of its own.
+const GENERATE: &str = "generate";
 /// Most arenas that are kept.
 const MAX_UPLOADED: u32 = 1_000;
 
@@ -43,6 +45,17 @@ pub fn routes() -> Routes {
                 .creates::<ArenaListing>(201, "The arena is stored.")
                 .creates::<ArenaListing>(200, "The very same arena was stored already.")
                 .refuses(&[ArenaNameTaken, ArenasFull]),
+        )
+        .post(
+            "/arenas/generate",
+            generate,
+            Operation::new(
+                "generateArena",
+                "An arena with its walls written out, not stored",
+            )
+            .details("Of `generate` and a seed: to look at, to change, to upload.")
+            .takes(Shape::Document("Arena"))
+            .answers(200, "The arena.", JSON, arena),
         )
         .get(
             "/arenas/{name}",
@@ -95,6 +108,10 @@ async fn create(
     app.blocking(move |app| {
         let arena = read_arena(&parse(&body)?).map_err(Refusal::fields)?;
         let name = arena.name().to_owned();
+        if name == GENERATE {
+            let detail = format!("{name} is the name of a route");
+            return Err(Refusal::new(ArenaNameTaken, detail));
+        }
         if BuiltinArenas.arena(&name).is_some() {
             let detail = format!("{name} is the name of a built-in arena");
             return Err(Refusal::new(ArenaNameTaken, detail));
@@ -114,6 +131,20 @@ async fn create(
         };
         let location = [(LOCATION, format!("/v1/arenas/{}", stored.name))];
         Ok((status, location, Json(stored.listing)).into_response())
+    })
+    .await
+}
+
+/// `POST /v1/arenas/generate`: what would be stored, for whoever wants to see it first.
+async fn generate(
+    State(app): State<App>,
+    headers: HeaderMap,
+    body: Bytes,
+) -> Result<Response, Refusal> {
+    said_to_be_json(&headers)?;
+    app.blocking(move |_| {
+        let arena = read_arena(&parse(&body)?).map_err(Refusal::fields)?;
+        Ok(([(CONTENT_TYPE, JSON)], text(&arena)?).into_response())
     })
     .await
 }

@@ -24,6 +24,7 @@ fn is_text(_: StatusCode, _: Version, headers: &HeaderMap, _: &Extensions) -> bo
         // Events are sent as they come, not gathered.
         media_type.starts_with("text/") && media_type != "text/event-stream"
             || media_type.starts_with("application/json")
+            || media_type.ends_with("+json")
             || media_type.starts_with("image/svg")
     })
 }

@@ -12,7 +12,7 @@ use axum::response::{IntoResponse, Response};
 use super::App;
 use super::extract::FoundJob;
 use super::operation::{Operation, Shape, key_schema};
-use super::query::{CURSOR, LIMIT, Parameter, Query, STATE};
+use super::query::{CURSOR, LIMIT, ORDER, Parameter, Query, STATE};
 use super::refusal::Refusal;
 use super::request::{MAX_KEY_BYTES, idempotency_key, parse, said_to_be_json};
 use super::routes::Routes;
@@ -22,7 +22,6 @@ use crate::scheduler::{StoredArenas, new_job};
 use crate::store::{Created, Intent, JobFilter, JobKey, JobRequest, JobView};
 
 const Q: Parameter = Parameter::text("q", "Words that the name has, in any case.");
-const ORDER: Parameter = Parameter::word("order", &["newest", "oldest"], "Which come first.");
 
 pub fn routes() -> Routes {
     Routes::new()

@@ -13,6 +13,7 @@ mod conditional;
 mod connections;
 mod contract;
 mod control;
+mod docs;
 mod events;
 mod exports;
 mod extract;

@@ -11,7 +11,7 @@ use serde_json::{Map, Value, json};
 
 use super::operation::{Answer, EVENTS, Operation, Shape};
 use super::routes::Described;
-use crate::documents::schemas;
+use crate::documents::schemas::{self, plain};
 
 const SCHEMAS: &str = "#/components/schemas/";
 
@@ -367,16 +367,4 @@ fn tidy(schema: &mut Value) {
         Value::Array(list) => list.iter_mut().for_each(tidy),
         _ => {}
     }
-}
-
-/// Documentation as it reads outside of Rust.
-pub fn plain(text: &str) -> String {
-    let paragraphs: Vec<String> = text
-        .split("\n\n")
-        .map(|paragraph| paragraph.replace('\n', " "))
-        .collect();
-    paragraphs
-        .join("\n\n")
-        .replace("[`", "`")
-        .replace("`]", "`")
 }

@@ -124,6 +124,8 @@ pub const CURSOR: Parameter = Parameter::whole(
     (0, i64::MAX),
     "Where the page begins: `next` of the page before.",
 );
+/// The order of a list.
+pub const ORDER: Parameter = Parameter::word("order", &["newest", "oldest"], "Which come first.");
 /// Jobs or runs in one state.
 pub const STATE: Parameter = Parameter {
     name: "state",
@@ -302,7 +304,6 @@ mod tests {
     #[test]
     fn texts_are_decoded_and_words_are_known() {
         const Q: Parameter = Parameter::text("q", "Words.");
-        const ORDER: Parameter = Parameter::word("order", &["newest", "oldest"], "The order.");
         const KNOWN: [Parameter; 3] = [Q, STATE, ORDER];
         let query = Query::new("q=a+%26%C3%A9&state=done", &KNOWN).unwrap();
         assert_eq!(query.text(&Q).unwrap().unwrap(), "a &é");

@@ -11,7 +11,7 @@ use axum::response::{IntoResponse, Response};
 use super::App;
 use super::extract::FoundRun;
 use super::operation::{JSON, Operation, Shape};
-use super::query::{CURSOR, LIMIT, Parameter, Query, STATE};
+use super::query::{CURSOR, LIMIT, ORDER, Parameter, Query, STATE};
 use super::refusal::Refusal;
 use super::routes::Routes;
 use crate::artifacts::memory_plan;
@@ -29,7 +29,7 @@ pub fn routes() -> Routes {
             "/runs",
             list,
             Operation::new("listRuns", "Runs of all jobs, newest first")
-                .query(&[LIMIT, CURSOR, JOB, STATE, METHOD, ARENA])
+                .query(&[LIMIT, CURSOR, JOB, STATE, METHOD, ARENA, ORDER])
                 .shows::<RunPage>("A page of runs."),
         )
         .get(
@@ -82,7 +82,7 @@ pub fn routes() -> Routes {
         )
 }
 
-/// `GET /v1/runs`: of all jobs, newest first, of a job, a state, a method or an arena.
+/// `GET /v1/runs`: of all jobs, newest first unless it says otherwise, of a job, a state, a method or an arena.
 async fn list(State(app): State<App>, query: Query) -> Result<Json<RunPage>, Refusal> {
     let page = query.page()?;
     let filter = RunFilter {
@@ -90,10 +90,11 @@ async fn list(State(app): State<App>, query: Query) -> Result<Json<RunPage>, Ref
         state: query.state()?,
         method: query.text(&METHOD)?,
         arena: query.text(&ARENA)?,
+        oldest_first: query.word(&ORDER)? == Some("oldest"),
     };
     app.blocking(move |app| {
-        let before = page.cursor.map(RunKey);
-        let found = app.store.list_runs(&filter, before, page.limit)?;
+        let after = page.cursor.map(RunKey);
+        let found = app.store.list_runs(&filter, after, page.limit)?;
         let items = found.items.iter();
         Ok(Json(RunPage {
             items: items.map(|run| views::run(run, &app.scheduler)).collect(),

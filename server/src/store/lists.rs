@@ -33,6 +33,8 @@ pub struct RunFilter {
     pub method: Option<String>,
     /// In the arena of this name.
     pub arena: Option<String>,
+    /// Oldest first, instead of newest first.
+    pub oldest_first: bool,
 }
 
 /// A page of a list.
@@ -88,33 +90,37 @@ impl Store {
         Ok(Page { items, next: None })
     }
 
-    /// At most `limit` runs before the one of this key, newest first, each in the first job that
-    /// has it, or in the one that is wanted.
+    /// At most `limit` runs after the one of this key, each in the first job that has it, or in the
+    /// one that is wanted.
     ///
     /// # Errors
     /// When the database fails or holds what cannot be read.
     pub fn list_runs(
         &self,
         filter: &RunFilter,
-        before: Option<RunKey>,
+        after: Option<RunKey>,
         limit: u32,
     ) -> Result<Page<RunView, RunKey>, StoreError> {
+        let (way, order, start) = match filter.oldest_first {
+            true => (">", "", 0),
+            false => ("<", "DESC", i64::MAX),
+        };
         let mut items = self
             .reader()
             .prepare_cached(&format!(
-                "{} WHERE {} AND runs.seq < ?1
+                "{} WHERE {} AND runs.seq {way} ?1
                     AND (?2 IS NULL OR state = ?2) AND (?3 IS NULL OR method = ?3)
                     AND (?4 IS NULL OR arena = ?4)
                     AND (job, ordinal) = (SELECT job, ordinal FROM job_runs of
                         WHERE of.run = runs.seq AND (?5 IS NULL OR of.job = ?5)
                         ORDER BY job, ordinal LIMIT 1)
-                 ORDER BY runs.seq DESC LIMIT ?6",
+                 ORDER BY runs.seq {order} LIMIT ?6",
                 runs::VIEW,
                 runs::VISIBLE
             ))?
             .query_map(
                 params![
-                    before.map_or(i64::MAX, |before| before.0),
+                    after.map_or(start, |after| after.0),
                     filter.state.map(State::name),
                     filter.method,
                     filter.arena,

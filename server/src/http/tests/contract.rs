@@ -100,6 +100,19 @@ async fn runs_of_all_jobs_are_listed_and_filtered() {
         let page = service.get(&format!("/v1/runs?{query}")).await.json();
         assert_eq!(page["items"].as_array().unwrap().len(), count, "{query}");
     }
+    expected.reverse();
+    let mut oldest = Vec::new();
+    let mut path = "/v1/runs?order=oldest&limit=4".to_owned();
+    loop {
+        let page = service.get(&path).await.json();
+        let items = page["items"].as_array().unwrap().clone();
+        oldest.extend(items.into_iter().map(|run| run["id"].clone()));
+        match page["next"].as_str() {
+            Some(next) => path = format!("/v1/runs?order=oldest&limit=4&cursor={next}"),
+            None => break,
+        }
+    }
+    assert_eq!(oldest, expected);
     let of_third = service.get("/v1/runs?job=3&limit=1").await.json();
     assert_eq!(of_third["items"][0]["job_id"], "3");
     for wrong in ["state=gone", "job=x", "cursor=x", "limit=0", "method="] {
