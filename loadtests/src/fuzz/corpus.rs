@@ -53,10 +53,11 @@ pub fn jobs() -> Vec<Value> {
 pub fn runs() -> Vec<Value> {
     let mut all: Vec<Value> = experiments();
     all.retain(|document| !is_job(document));
+    // Under rapier, since some arenas have movable objects.
     all.extend(
         arenas()
             .into_iter()
-            .map(|arena| json!({ "arena": arena, "epochs": 3 })),
+            .map(|arena| json!({ "arena": arena, "epochs": 3, "engine": "rapier" })),
     );
     all.extend([
         json!({ "schema": 1, "seed": 7, "epochs": 3.0, "robots": 4, "placement": "grid" }),
