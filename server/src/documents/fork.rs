@@ -3,8 +3,16 @@
 use api::{FieldError, Fork};
 use serde_json::Value;
 
+use super::domains::Whole;
 use super::fields::{Errors, Object, kind};
 use super::limits::MAX_EPOCHS;
+
+const EPOCH: Whole = Whole {
+    name: "epoch",
+    min: 0,
+    max: MAX_EPOCHS,
+    default: 0,
+};
 
 /// The fork that a document asks for; what is changed is checked with the run.
 ///
@@ -16,7 +24,7 @@ pub fn fork(document: &Value) -> Result<Fork, Vec<FieldError>> {
     if let Some(object) = Object::open(document, "", ["epoch", "changes"], &mut errors) {
         if object.get("epoch").is_some() {
             // The cap is of 32 bits.
-            fork.epoch = Some(object.whole("epoch", 0, MAX_EPOCHS, 0, &mut errors) as u32);
+            fork.epoch = Some(object.whole(&EPOCH, &mut errors) as u32);
         }
         match object.get("changes") {
             None => {}
