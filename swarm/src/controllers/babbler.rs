@@ -43,6 +43,11 @@ impl Babbler {
         self.watch.saturated()
     }
 
+    /// Clusters of sensor vectors and of commands so far.
+    pub fn clusters(&self) -> (u32, u32) {
+        (self.watch.sensors.len(), self.watch.actuators.len())
+    }
+
     /// What it saw.
     pub fn finish(self) -> Watch {
         self.watch

@@ -48,6 +48,11 @@ impl Codebook {
         }
     }
 
+    /// States and actions.
+    pub fn counts(&self) -> (u32, u32) {
+        (self.states.len(), self.actions.len())
+    }
+
     /// Most bytes that making one takes, itself included, the sample not.
     pub fn workspace_bytes(plan: &MemoryPlan) -> u64 {
         let states =

@@ -157,6 +157,11 @@ impl Crawler {
         self.sensori_motor.len()
     }
 
+    /// Clusters of sensor vectors, where a phase 2 follows.
+    pub fn sensor_clusters(&self) -> u32 {
+        self.watch.as_ref().map_or(0, |watch| watch.sensors.len())
+    }
+
     /// Clusters of commands.
     pub fn actuator_clusters(&self) -> u32 {
         self.watch

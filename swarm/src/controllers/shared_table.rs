@@ -77,6 +77,11 @@ impl SharedTableExplorers {
         &self.repository
     }
 
+    /// Where a robot stands in the table.
+    pub fn decider(&self, robot: usize) -> Option<&Decider> {
+        self.deciders.get(robot)
+    }
+
     /// Robots.
     pub fn robots(&self) -> usize {
         self.deciders.len()

@@ -348,7 +348,7 @@ impl Learners {
 
     /// Sensor and actuator clusters of the first robot; 0 where there are none.
     pub fn clusters(&self) -> (u32, u32) {
-        let of = |codebook: &Codebook| (codebook.states.len(), codebook.actions.len());
+        let of = Codebook::counts;
         let clusters = match self {
             Learners::Crawlers(controllers) => {
                 controllers.first().map(|p| (0, p.actuator_clusters()))

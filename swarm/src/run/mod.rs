@@ -4,6 +4,7 @@ mod continued;
 mod coverage;
 mod findings;
 mod learners;
+mod learnt;
 mod machine;
 mod metrics;
 mod model;
@@ -19,6 +20,7 @@ mod venue;
 
 pub use continued::CHANGEABLE;
 pub use coverage::{CurveRow, counts_within};
+pub use learnt::Learnt;
 pub use machine::Run;
 pub use metrics::{MetricsLog, MetricsRow, RobotMetrics};
 pub use outcome::{ObjectOutcome, Outcome, Progress, RestoreError};
