@@ -60,3 +60,30 @@ pub struct RunCurve {
     /// Squares, as far as the run went.
     pub values: Vec<Option<u32>>,
 }
+
+/// Where the runs of a group of a job went, over its arena.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct GroupCoverage {
+    /// Version of this document.
+    pub schema: u32,
+    /// Id of the job.
+    pub job_id: String,
+    /// Place of the group among the job's, from 0.
+    pub group: u64,
+    /// Groups of the job.
+    pub groups: u64,
+    /// What the group's runs have in common.
+    pub label: String,
+    /// Finished runs that are pooled.
+    pub n: u64,
+    /// Columns and rows of squares.
+    pub squares: [u32; 2],
+    /// Squares that some run of the group entered.
+    pub union_squares: u32,
+    /// Mean of the squares that a run entered.
+    pub mean_squares: f64,
+    /// Runs that entered each square, row by row, the lowest y first.
+    pub runs: Vec<Vec<u32>>,
+    /// Mean entries of each square, in the same order.
+    pub mean_entries: Vec<Vec<f32>>,
+}

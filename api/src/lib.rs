@@ -3,12 +3,14 @@
 //! Types only. Documents that are stored or sent to others carry a `schema` number.
 
 pub mod catalog;
+pub mod checks;
 pub mod comparison;
 pub mod control;
 pub mod curves;
 pub mod events;
 pub mod frames;
 pub mod job;
+pub mod learnt;
 pub mod objects;
 pub mod problem;
 pub mod problem_codes;

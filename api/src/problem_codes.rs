@@ -76,6 +76,8 @@ problem_codes! {
         "A run has its result when it is done."
     FindingsNotKept 409 "findings-not-kept" "What the run covered is not kept"
         "A run that failed or was cancelled keeps nothing of what it found."
+    NothingLearnt 409 "nothing-learnt" "The robot has learnt nothing"
+        "Its method learns nothing, or the run has no such robot."
     AlreadyEnded 409 "already-ended" "It has ended"
         "What has ended cannot be cancelled, paused or resumed, and what is done not tried again."
     NotEnded 409 "not-ended" "It has not ended"

@@ -119,6 +119,18 @@ pub const REFUSED: &[RefusedCase] = &[
     service("an unknown route", RouteNotFound),
     service("a method that a route does not have", MethodNotAllowed),
     service("the result of an unfinished run", NoResult),
+    service(
+        "what a robot has learnt by a method that learns nothing",
+        NothingLearnt,
+    ),
+    service(
+        "what a robot had learnt when its run was done",
+        FindingsNotKept,
+    ),
+    service(
+        "a check of an arena or a job that is not valid",
+        InvalidDocument,
+    ),
     service("what a cancelled run covered", FindingsNotKept),
     service("cancelling what has ended", AlreadyEnded),
     service("resuming or trying again what is done", AlreadyEnded),

@@ -19,3 +19,4 @@ mod stop;
 pub mod store;
 pub mod summary;
 mod tables;
+mod watching;

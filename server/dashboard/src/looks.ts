@@ -38,6 +38,12 @@ export function heat(share: number): readonly [number, number, number] {
   return [mix(from[0], to[0]), mix(from[1], to[1]), mix(from[2], to[2])];
 }
 
+/** The same in 256 steps, as pixels of a canvas. */
+export const HEAT = Uint32Array.from({ length: 256 }, (_, step) => {
+  const [r, g, b] = heat(step / 255);
+  return ((255 << 24) | (b << 16) | (g << 8) | r) >>> 0;
+});
+
 /** A colour of the style sheet by its name, as a canvas takes it: of the theme in force. */
 export function themed(name: string): string {
   const probe = document.createElement("span");

@@ -6,38 +6,9 @@ import { overview } from "./jobs/overview";
 import { jobScreen } from "./job/screen";
 import { runScreen } from "./run/screen";
 import { submitScreen } from "./submit/screen";
-import { h, show, write } from "./dom";
+import { alert, calm, type Screen } from "./alert";
+import { h, write } from "./dom";
 import { link, parse } from "./route";
-import { Problem } from "./server";
-
-/** What a screen is made of. */
-export interface Screen {
-  element: HTMLElement;
-  title: string;
-  /** Ends its watches. */
-  stop(): void;
-}
-
-const alert = h("p", { id: "alert", role: "alert", hidden: true });
-let troubled_since = 0;
-
-/** Tells what went wrong; a connection that is lost says so with the age of what is shown. */
-export function trouble(error: unknown): void {
-  if (error instanceof Problem) {
-    write(alert, error.message);
-  } else {
-    troubled_since ||= Date.now();
-    const age_s = Math.round((Date.now() - troubled_since) / 1000);
-    write(alert, `The server cannot be reached; what is shown is ${age_s} s old. Trying again.`);
-  }
-  show(alert, true);
-}
-
-/** All is well again. */
-export function calm(): void {
-  troubled_since = 0;
-  show(alert, false);
-}
 
 const rate = h("p", { class: "rate", "aria-live": "polite" });
 const main = h("main", {});
@@ -76,14 +47,15 @@ function go(): void {
   shown = key;
   screen?.stop();
   calm();
-  screen = {
+  const opened: Screen = {
     overview: () => overview(),
     job: () => jobScreen(route.id, route.options),
     run: () => runScreen(route.id, route.options),
     new: () => submitScreen(route.options),
   }[route.view]();
-  document.title = `${screen.title} – evswarm`;
-  main.replaceChildren(screen.element);
+  screen = opened;
+  document.title = `${opened.title} – evswarm`;
+  main.replaceChildren(opened.element);
   document.body.classList.remove("list-open");
   menu.setAttribute("aria-expanded", "false");
   scrollTo(0, 0);

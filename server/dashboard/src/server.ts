@@ -2,12 +2,7 @@
 // that repeat while the page is seen.
 
 import { h } from "./dom";
-
-export interface FieldError {
-  pointer: string;
-  message: string;
-  allowed: string;
-}
+import type { FieldError } from "./types";
 
 /** A refusal of the server. */
 export class Problem extends Error {
@@ -96,31 +91,41 @@ export interface Watch {
 }
 
 /**
- * Looks again and again, `every_ms` after the last look ended; not while the page is hidden. What
- * goes wrong is told, and tried again with longer and longer rests.
+ * Looks again and again, `every_ms` after the last look ended, or as long as `rest` says; not while
+ * the page is hidden. What goes wrong is told, and tried again with longer and longer rests.
  */
 export function watch(
   every_ms: number,
   look: (signal: AbortSignal) => Promise<void>,
   trouble: (error: unknown) => void,
+  rest: () => number = () => every_ms,
 ): Watch {
   const stopping = new AbortController();
   let timer = 0;
   let rest_ms = every_ms;
   let busy = false;
+  let again = false;
   const next = async (): Promise<void> => {
-    if (stopping.signal.aborted || busy) return;
+    if (stopping.signal.aborted) return;
+    if (busy) {
+      again = true;
+      return;
+    }
     clearTimeout(timer);
     if (document.hidden) return;
     busy = true;
     try {
       await look(stopping.signal);
-      rest_ms = every_ms;
+      rest_ms = rest();
     } catch (error) {
       if (!stopping.signal.aborted) trouble(error);
       rest_ms = Math.min(rest_ms * 2, 15_000);
     }
     busy = false;
+    if (again) {
+      again = false;
+      return next();
+    }
     if (!stopping.signal.aborted) timer = window.setTimeout(() => void next(), rest_ms);
   };
   document.addEventListener("visibilitychange", () => void next(), { signal: stopping.signal });

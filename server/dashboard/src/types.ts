@@ -1,123 +1,94 @@
-// What the service answers, as far as the page reads it.
+// What the service answers: types made from the OpenAPI document, under short names.
 
-export type State = "queued" | "running" | "paused" | "done" | "failed" | "cancelled";
+import type { components } from "./api";
 
-export interface Job {
-  id: string;
-  name: string;
-  state: State;
-  created_at: string;
-  runs: Record<"total" | "queued" | "running" | "paused" | "done" | "failed" | "cancelled", number>;
-  progress: number;
-  eta_s: number | null;
-  robot_steps_per_s: number | null;
-}
+type Schemas = components["schemas"];
 
-export interface Progress {
-  phase: string;
-  epochs_done: number;
-  epochs_total: number;
-  robot_steps_done: number;
-  robot_steps_total: number;
-  fraction: number;
-  eta_s: number | null;
-  robot_steps_per_s: number | null;
-}
+export type State = Schemas["State"];
+export type Job = Schemas["Job"];
+export type Run = Schemas["RunSummary"];
+export type Progress = Schemas["Progress"];
+export type Result = Schemas["RunResult"];
+export type Summary = Schemas["JobSummary"];
+export type Group = Schemas["Group"];
+export type Measure = Schemas["Measure"];
+export type Interval = Schemas["Interval"];
+export type Scaling = Schemas["Scaling"];
+export type Curves = Schemas["JobCurves"];
+export type Comparison = Schemas["Comparison"];
+export type Pair = Schemas["ComparedPair"];
+export type GroupCoverage = Schemas["GroupCoverage"];
+export type Coverage = Schemas["Coverage"];
+export type CurveRow = Schemas["CurveRow"];
+export type MetricsRow = Schemas["MetricsRow"];
+export type Learnt = Schemas["Learnt"];
+export type LearntTable = Schemas["LearntTable"];
+export type ArenaListing = Schemas["ArenaListing"];
+export type ArenaCheck = Schemas["ArenaCheck"];
+export type JobCheck = Schemas["JobCheck"];
+export type Method = Schemas["MethodListing"];
+export type Template = Schemas["TemplateListing"];
+export type FieldError = Schemas["FieldError"];
 
-export interface Run {
-  id: string;
-  job_id: string;
-  index: number;
-  seed: number;
-  arena: string;
-  method: string;
-  label: string;
-  state: State;
-  progress: Progress | null;
-  result: Result | null;
-  error: string | null;
-}
-
-export interface Result {
-  p1: number;
-  p2: number;
-  p5: number;
-  p10: number;
-  reachable: number;
-  fractions: Record<"p1" | "p2" | "p5" | "p10", number>;
-  metrics: Record<string, number | null>;
-  memory: { plan: { bytes: number }; most_bytes: number; least_bytes: number };
-}
-
+/** A page of a list. */
 export interface Page<T> {
   items: T[];
-  next: string | null;
+  next?: string | null;
 }
 
-export interface Measure {
-  name: string;
-  n: number;
-  mean: number | null;
-  sd: number | null;
-  median: number | null;
-  interval: [number, number] | null;
+/** What a parameter may be, which the document leaves open. */
+export interface Domain {
+  kind: "real" | "whole" | "choice";
+  min?: number;
+  max?: number;
+  names?: string[];
 }
 
-export interface Group {
-  label: string;
-  values: Record<string, unknown>;
-  robots: number;
-  runs: number;
-  runs_done: number;
-  measures: Measure[];
-}
+export type Parameter = Omit<Schemas["ParameterListing"], "domain" | "default"> & {
+  default: number | string;
+  domain: Domain;
+};
+export type Controllers = Omit<Schemas["ControllerListing"], "parameters" | "robot_parameters" | "methods"> & {
+  methods: (Omit<Method, "parameters"> & { parameters?: Parameter[] })[];
+  parameters: Parameter[];
+  robot_parameters: Parameter[];
+};
 
-export interface Summary {
-  job_id: string;
-  name: string;
-  runs: number;
-  runs_done: number;
-  groups: Group[];
-}
-
+/** An arena written out. */
 export interface Arena {
-  name: string;
+  name?: string;
   width_m: number;
   height_m: number;
-  squares: number | [number, number];
-  walls_m: [number, number, number, number][];
-  starts: { x_m: number; y_m: number; heading_rad: number }[];
-  objects?: Record<string, unknown>[];
+  squares?: number | [number, number];
+  walls_m?: [number, number, number, number][];
+  starts: Pose[];
+  objects?: ArenaObject[];
 }
 
-export interface Coverage {
-  width_m: number;
-  height_m: number;
-  squares: [number, number];
-  visits: number[][];
-  reachable?: boolean[][];
+export interface Pose {
+  x_m: number;
+  y_m: number;
+  heading_rad: number;
+}
+
+export interface ArenaObject {
+  kind?: string;
+  x_m: number;
+  y_m: number;
+  heading_rad?: number;
   [name: string]: unknown;
 }
 
-export interface Parameter {
-  name: string;
-  default: number | string;
-  domain: { kind: "real" | "whole" | "choice"; min?: number; max?: number; names?: string[] };
-  unit: string;
-  about: string;
-  source: string;
-}
-
-export interface Controllers {
-  methods: { name: string; about: string; trains: string }[];
-  parameters: Parameter[];
-  presets: string[];
-  robot_parameters: Parameter[];
-}
-
-export interface Template {
-  name: string;
-  about: string;
-  runs: number;
-  job: Record<string, unknown>;
+/** A run's spec with every default filled in, as far as the page reads it. */
+export interface RunSpec {
+  seed: number;
+  arena: string | (Partial<Arena> & Record<string, unknown>);
+  controller: { method: string; train?: { arena?: string | (Partial<Arena> & Record<string, unknown>) } } & Record<string, unknown>;
+  robots: number;
+  epochs: number;
+  steps_per_epoch: number;
+  engine: string;
+  memory_budget_bytes: number | null;
+  sharing?: { mode: string; range_m?: number | null };
+  robot?: { preset?: string; body_radius_m?: number } & Record<string, unknown>;
 }

@@ -80,6 +80,9 @@ impl Feed {
                     () = tokio::time::sleep_until(looked + PROGRESS_EVERY) => {}
                 }
             }
+            if self.state.as_ref()?.hub.scheduler.is_stopping() {
+                return None;
+            }
             let newest = *self.newest.borrow_and_update();
             self.looked = Some(Instant::now());
             let mut state = self.state.take()?;

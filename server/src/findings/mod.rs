@@ -1,9 +1,11 @@
 //! What runs and jobs have found: live from a worker, stored, or from a checkpoint; pooled into a
 //! summary or judged in a report. Whoever shows it (HTTP today) only translates.
 
+mod coverage;
 mod curves;
 mod error;
 mod kept;
+mod learnt;
 mod report;
 mod run;
 mod summary;

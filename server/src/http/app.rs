@@ -21,6 +21,10 @@ pub(super) struct App {
     pub(super) events: Arc<Hub>,
     /// Places for tables that are being made.
     pub(super) exports: Arc<Semaphore>,
+    /// Places for streams of frames.
+    pub(super) viewers: Arc<Semaphore>,
+    /// Places for checkpoints that are opened.
+    pub(super) opened: Arc<Semaphore>,
     /// The OpenAPI document as text.
     pub(super) openapi: Bytes,
 }

@@ -190,7 +190,8 @@ async fn delete(State(app): State<App>, Path(name): Path<String>) -> Result<Stat
     .await
 }
 
-fn listing(app: &App, arena: &Arena, builtin: bool) -> ArenaListing {
+/// An arena in a list.
+pub(super) fn listing(app: &App, arena: &Arena, builtin: bool) -> ArenaListing {
     let radius_m = SvgOptions::default().body_radius_m;
     let mask = app.findings.mask(arena, radius_m);
     let reachable = mask.map_or(0, |mask| mask.iter().filter(|&&reached| reached).count());

@@ -2,7 +2,7 @@
 //! over epochs.
 
 use api::comparison::Comparison;
-use api::curves::JobCurves;
+use api::curves::{GroupCoverage, JobCurves};
 use axum::Json;
 use axum::extract::State;
 use axum::http::header::CONTENT_TYPE;
@@ -42,6 +42,12 @@ const LEVEL: Parameter = Parameter::word(
 );
 const X: Parameter = Parameter::word("x", &["epoch"], "What curves run over.");
 const POINTS: Parameter = Parameter::whole("points", (2, 500), "Most points of a curve.").or(200);
+const GROUP: Parameter = Parameter::whole(
+    "group",
+    (0, 199),
+    "Place of the group among those of the job or of `by`, from 0.",
+)
+.or(0);
 const RUNS: Parameter = Parameter::word(
     "runs",
     &["false", "true"],
@@ -66,6 +72,13 @@ pub fn routes() -> Routes {
             Operation::new("getJobCurves", "Coverage over epochs, pooled by group")
                 .query(&[LEVEL, X, BY, POINTS, RUNS])
                 .shows::<JobCurves>("The curves of what is done."),
+        )
+        .get(
+            "/jobs/{id}/coverage",
+            coverage,
+            Operation::new("getJobCoverage", "Where the runs of a group went, pooled")
+                .query(&[GROUP, BY])
+                .shows::<GroupCoverage>("The coverage of what is done."),
         );
     for (end, media_type, text) in TEXTS {
         let show = async move |State(app): State<App>, FoundJob(job), query: Query| {
@@ -123,6 +136,27 @@ async fn curves(
             runs,
         };
         Ok(Json(app.findings.curves(&job, wanted)?))
+    })
+    .await
+}
+
+/// `GET /v1/jobs/{id}/coverage`.
+async fn coverage(
+    State(app): State<App>,
+    FoundJob(job): FoundJob,
+    query: Query,
+) -> Result<Json<GroupCoverage>, Refusal> {
+    let by = query.text(&BY)?;
+    let group = query
+        .number(&GROUP)?
+        .and_then(|group| group.try_into().ok());
+    app.blocking(move |app| {
+        let group = group.unwrap_or(0);
+        Ok(Json(app.findings.group_coverage(
+            &job,
+            group,
+            by.as_deref(),
+        )?))
     })
     .await
 }

@@ -7,6 +7,7 @@ mod arenas;
 mod body;
 mod catalog;
 mod checkpoints;
+mod checks;
 mod comparison;
 mod compression;
 mod conditional;
@@ -37,6 +38,7 @@ mod runs;
 mod serve;
 #[cfg(test)]
 mod tests;
+mod watching;
 
 pub use access::{Right, line as token_line};
 use app::App;

@@ -7,6 +7,8 @@ use axum::extract::DefaultBodyLimit;
 use axum::http::{Method, Uri};
 use axum::{Router, middleware};
 
+use tokio::sync::Semaphore;
+
 use crate::events::Hub;
 use crate::findings::Assembler;
 use crate::scheduler::Scheduler;
@@ -18,8 +20,8 @@ use super::guard::{self, Gate};
 use super::refusal::Refusal;
 use super::routes::Routes;
 use super::{
-    arenas, catalog, checkpoints, comparison, compression, conditional, contract, control, events,
-    exports, files, health, job_findings, jobs, openapi, page, problems, runs,
+    arenas, catalog, checkpoints, checks, comparison, compression, conditional, contract, control,
+    events, exports, files, health, job_findings, jobs, openapi, page, problems, runs, watching,
 };
 
 /// Every route, and what each does.
@@ -34,7 +36,9 @@ pub fn routes() -> Routes {
         .merge(runs::routes())
         .merge(events::routes())
         .merge(files::routes())
+        .merge(watching::routes())
         .merge(arenas::routes())
+        .merge(checks::routes())
         .merge(catalog::routes());
     Routes::new()
         .merge(page::routes())
@@ -51,6 +55,8 @@ pub fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, tokens: Tokens) -> R
         findings: Arc::new(Assembler::new(Arc::clone(&store), Arc::clone(&scheduler))),
         events: Hub::start(Arc::clone(&store), Arc::clone(&scheduler)),
         exports: exports::places(),
+        viewers: Arc::new(Semaphore::new(watching::MAX_VIEWERS)),
+        opened: Arc::new(Semaphore::new(watching::MAX_OPENED)),
         openapi: openapi::text(&described).into(),
         store,
         scheduler,

@@ -53,6 +53,17 @@ impl Pace {
         Self::new(rest, rest.least, Instant::now())
     }
 
+    /// For what is looked at: at once, then after `least`, and less often where it takes more than a
+    /// twentieth of the time.
+    pub fn watched(least: Duration) -> Self {
+        let rest = Rest {
+            least,
+            times: 19,
+            most: Duration::from_secs(5),
+        };
+        Self::new(rest, Duration::ZERO, Instant::now())
+    }
+
     /// The first time is due after `first`.
     fn new(rest: Rest, first: Duration, now: Instant) -> Self {
         Self {

@@ -14,6 +14,7 @@ use crate::channels::{Extent, FramePublisher};
 use crate::documents::{ResolvedRun, parse, resolve};
 use crate::runner::{self, Checkpoints, MemoryBound, PauseAt};
 use crate::store::{Checkpoint, ClaimedRun, Finished, Position, Store};
+use crate::watching::Watched;
 
 /// How an attempt ended.
 pub enum Ended {
@@ -61,6 +62,7 @@ pub fn attempt(
         let saves = Arc::clone(live.saves());
         move || saves.is_asked()
     });
+    let mut watched = Watched::new(&live.window, run.robots().len());
     let mut memory = MemoryBound::new(config.run_memory_bytes);
     let mut pause = claimed.pause_at_step.map(PauseAt);
     let ended = runner::step(
@@ -70,6 +72,7 @@ pub fn attempt(
             &mut memory,
             &mut frames,
             &mut views,
+            &mut watched,
             &mut checkpoints,
             &mut pause,
         ],

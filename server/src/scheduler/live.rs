@@ -9,6 +9,7 @@ use swarm::run::{Progress, Run};
 
 use crate::runner::{Observer, Pace, Stop};
 use crate::store::Findings;
+use crate::watching::Window;
 
 /// A run at one moment.
 #[derive(Clone, Debug)]
@@ -83,6 +84,8 @@ pub struct LiveRun {
     view: Mutex<Option<Arc<View>>>,
     pace: Mutex<Option<f64>>,
     saves: Arc<Saves>,
+    /// Where others can look at it.
+    pub window: Window,
 }
 
 impl LiveRun {

@@ -25,6 +25,6 @@ pub use config::SchedulerConfig;
 pub use control_error::ControlError;
 pub use live::{View, findings_of};
 pub use progress::share;
-pub use submission::new_job;
+pub use submission::{new_job, step_cost};
 pub use workers::Scheduler;
 use workers::Shared;

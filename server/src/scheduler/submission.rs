@@ -31,13 +31,18 @@ fn new_run(run: &ResolvedRun, label: &str) -> NewRun {
         method: run.method().name().to_owned(),
         epochs_total: run.epochs(),
         robot_steps_total: run.robot_steps(),
-        step_cost: match run.engine() {
-            EngineKind::Kinematic => 1,
-            EngineKind::Rapier => RAPIER_STEP_COST,
-        },
+        step_cost: step_cost(run.engine()),
         uploaded_arenas: uploaded_arenas(run.shown()),
         label: label.to_owned(),
         origin: None,
+    }
+}
+
+/// About what a robot-step costs against one of the kinematic engine.
+pub fn step_cost(engine: EngineKind) -> u32 {
+    match engine {
+        EngineKind::Kinematic => 1,
+        EngineKind::Rapier => RAPIER_STEP_COST,
     }
 }
 

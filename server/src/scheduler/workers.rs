@@ -13,10 +13,13 @@ use super::live::{LiveRun, View};
 use super::queue::FairQueue;
 use crate::break_points::{Place, reach};
 use crate::channels::ChannelSettings;
+use tokio::sync::oneshot;
+
 use crate::store::{
     ClaimedRun, CreateJobError, Created, Intent, JobKey, JobRequest, NewJob, RunKey, StoppedRun,
     Store, StoreError,
 };
+use crate::watching::{Answer, Viewer};
 
 /// Time between two tries to store what must be stored, when the database fails.
 const RETRY: Duration = Duration::from_secs(2);
@@ -170,6 +173,28 @@ impl Scheduler {
     /// The latest view of a run that a worker holds.
     pub fn view(&self, run: RunKey) -> Option<Arc<View>> {
         self.shared.state().live.get(&run)?.view()
+    }
+
+    /// Somebody who looks at a run from now on, where a worker holds it.
+    pub fn look(&self, run: RunKey) -> Option<Viewer> {
+        Some(self.shared.state().live.get(&run)?.window.look())
+    }
+
+    /// Asks what a robot of a run has learnt, where a worker holds the run; `None` too where too
+    /// many ask.
+    pub fn ask(&self, run: RunKey, robot: u32) -> Option<oneshot::Receiver<Answer>> {
+        let live = self.shared.state().live.get(&run).cloned()?;
+        live.window.ask(robot)
+    }
+
+    /// Whether the workers are to end.
+    pub fn is_stopping(&self) -> bool {
+        self.shared.state().stopping
+    }
+
+    /// Runs that are stepped at a time.
+    pub fn worker_count(&self) -> usize {
+        self.shared.config.workers.get()
     }
 
     /// The channels' settings.

@@ -61,6 +61,24 @@ impl Store {
             .flatten())
     }
 
+    /// Mean processor time a robot-step of the latest finished runs of a method and a kind of
+    /// engine, nanoseconds, where there are any.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn recent_cost(&self, method: &str, step_cost: u32) -> Result<Option<f64>, StoreError> {
+        Ok(self
+            .reader()
+            .prepare_cached(
+                "SELECT avg(cost) FROM (
+                     SELECT results.cpu_ns_per_robot_step AS cost
+                     FROM runs JOIN results ON results.run = runs.seq
+                     WHERE runs.method = ?1 AND runs.step_cost = ?2
+                     ORDER BY runs.seq DESC LIMIT 20)",
+            )?
+            .query_row((method, step_cost), |row| row.get(0))?)
+    }
+
     /// Stores what a run found and makes it done, as one. Returns whether the run was still wanted:
     /// a run that was cancelled or deleted meanwhile stays so, and nothing is stored.
     ///

@@ -9,6 +9,8 @@ use crate::statistics::{LEVEL, mean, mean_interval, median};
 
 /// Most runs whose curves are read for one answer.
 pub const MOST_RUNS: usize = 5_000;
+/// Most groups that have curves.
+pub const MOST_GROUPS: usize = 200;
 /// Most single runs of a group that are shown.
 const MOST_SINGLE_RUNS: usize = 50;
 
@@ -55,7 +57,7 @@ pub fn curves<E: std::error::Error>(
     }
     let at = abscissae(epochs, wanted.points);
     let mut groups = Vec::new();
-    for set in sets(input, wanted.measure, wanted.by)? {
+    for set in sets(input, wanted.measure, wanted.by, MOST_GROUPS)? {
         let mut runs = Vec::with_capacity(set.places.len());
         for &(place, seed) in &set.places {
             let values = curve(place).map_err(CurvesError::Curve)?;

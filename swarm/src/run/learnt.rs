@@ -89,6 +89,19 @@ impl Run {
         Some(choice(decider))
     }
 
+    /// Whether robots learn anything at all.
+    pub fn learns(&self) -> bool {
+        !matches!(
+            self.learners,
+            Learners::Former(_) | Learners::Brownian(_) | Learners::Walkers(_)
+        )
+    }
+
+    /// Steps of the arena in which visits counted.
+    pub fn counted_steps(&self) -> u64 {
+        self.venues[TARGET].world.state().tally.steps()
+    }
+
     /// Whether robots are in the training arena right now.
     pub fn is_training(&self) -> bool {
         self.venue() == TRAINING

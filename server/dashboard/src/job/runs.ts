@@ -1,54 +1,105 @@
-// The runs of a job as a table, a page of the server's at a time; failed and odd ones are marked.
+// The runs of a job as a table that sorts and filters; what is odd comes first.
 
 import { h, keyed, show, write } from "../dom";
-import { link } from "../route";
-import { read } from "../server";
-import type { Page, Run } from "../types";
+import { choose, link } from "../route";
+import type { Run } from "../types";
 import { duration, percent, sentence, whole } from "../words";
+import { measureOf } from "./groups";
 
 const A_PAGE = 50;
-const COLUMNS = ["run", "state", "seed", "group", "p1", "p10", "of reach", "progress"];
+const COLUMNS: [string, string, (run: Run) => number | string | null][] = [
+  ["run", "id", (run) => run.index],
+  ["state", "state", (run) => run.state],
+  ["seed", "seed", (run) => run.seed],
+  ["group", "group", (run) => run.label || run.method],
+  ["p1", "p1", (run) => measureOf(run, "p1")],
+  ["p10", "p10", (run) => measureOf(run, "p10")],
+  ["of reach", "share", (run) => measureOf(run, "p1_fraction")],
+  ["t90", "t90", (run) => measureOf(run, "t90_steps")],
+  ["what stands out", "odd", () => null],
+];
 
 export interface RunsTable {
   element: HTMLElement;
-  refresh(job: string, signal: AbortSignal): Promise<void>;
+  draw(runs: Run[], odd: Map<string, string>): void;
 }
 
-export function runsTable(): RunsTable {
+export function runsTable(options: URLSearchParams): RunsTable {
+  let [sort, falling] = [options.get("sort") ?? "odd", options.get("falling") === "1"];
+  let page = 0;
+  let last: [Run[], Map<string, string>] | null = null;
+  const filter = h("input", {
+    type: "search", id: "runs-filter", placeholder: "Filter: words, states, seeds", "aria-label": "Filter runs",
+    value: options.get("filter") ?? "",
+  });
+  const heads = COLUMNS.map(([title, name]) => {
+    const button = h("button", { type: "button", class: "head-button" }, title);
+    button.addEventListener("click", () => {
+      falling = sort === name ? !falling : false;
+      sort = name;
+      page = 0;
+      choose("sort", sort === "odd" ? null : sort);
+      choose("falling", falling ? "1" : null);
+      again();
+    });
+    return h("th", { scope: "col" }, button);
+  });
   const body = h("tbody", {});
-  const table = h(
-    "table",
-    { class: "runs" },
-    h("thead", {}, h("tr", {}, ...COLUMNS.map((name) => h("th", { scope: "col" }, name)))),
-    body,
-  );
+  const table = h("table", { class: "runs" }, h("thead", {}, h("tr", {}, ...heads)), body);
   const before = h("button", { type: "button" }, "Previous runs");
   const after = h("button", { type: "button" }, "Next runs");
   const where = h("span", { class: "quiet" });
-  const element = h("div", {}, h("div", { class: "scroll", tabindex: 0 }, table), h("p", { class: "pages" }, before, " ", after, " ", where));
-  let starts = ["0"];
-  let next: string | null = null;
-  let again: () => void = () => undefined;
+  const element = h("div", {},
+    h("p", { class: "tools" }, filter),
+    h("div", { class: "scroll", tabindex: 0, role: "group", "aria-label": "Runs" }, table),
+    h("p", { class: "pages" }, before, " ", after, " ", where));
 
-  const refresh: RunsTable["refresh"] = async (job, signal) => {
-    again = () => void refresh(job, signal);
-    const page = await read<Page<Run>>(`/v1/jobs/${job}/runs?limit=${A_PAGE}&cursor=${starts.at(-1)}`, signal);
-    next = page.next;
-    keyed(body, page.items, (run) => `${run.index}`, row, fill);
-    show(before, starts.length > 1);
-    show(after, next !== null);
-    const first = page.items[0]?.index ?? 0;
-    write(where, page.items.length ? `runs ${whole(first + 1)} to ${whole(first + page.items.length)}` : "");
+  const draw: RunsTable["draw"] = (runs, odd) => {
+    last = [runs, odd];
+    const words = filter.value.trim().toLowerCase().split(/\s+/).filter(Boolean);
+    const fits = words.length === 0 ? runs : runs.filter((run) => {
+      const text = `${run.id} ${run.state} ${run.seed} ${run.label} ${run.method} ${run.arena} ${odd.get(run.id) ?? ""}`.toLowerCase();
+      return words.every((word) => text.includes(word));
+    });
+    const value = COLUMNS.find(([, name]) => name === sort)?.[2] ?? (() => null);
+    const key = (run: Run): number | string | null => (sort === "odd" ? (odd.has(run.id) ? 0 : 1) : value(run));
+    const ordered = [...fits].sort((a, b) => {
+      const [x, y] = [key(a), key(b)];
+      // What has no value comes last either way.
+      if (x === null || y === null) return x === y ? a.index - b.index : x === null ? 1 : -1;
+      const order = typeof x === "string" || typeof y === "string" ? String(x).localeCompare(String(y)) : x - y;
+      return (falling ? -order : order) || a.index - b.index;
+    });
+    page = Math.min(page, Math.max(0, Math.ceil(ordered.length / A_PAGE) - 1));
+    const shown = ordered.slice(page * A_PAGE, (page + 1) * A_PAGE);
+    keyed(body, shown, (run) => `${run.index}`, row, (item, run) => fill(item, run, odd.get(run.id) ?? ""));
+    heads.forEach((head, place) => {
+      if (COLUMNS[place]![1] === sort) head.setAttribute("aria-sort", falling ? "descending" : "ascending");
+      else head.removeAttribute("aria-sort");
+    });
+    show(before, page > 0);
+    show(after, (page + 1) * A_PAGE < ordered.length);
+    write(where, ordered.length === 0 ? "No run fits." : `${whole(page * A_PAGE + 1)} to ${whole(page * A_PAGE + shown.length)} of ${whole(ordered.length)} runs`);
   };
-  before.addEventListener("click", () => {
-    starts.pop();
+  const again = (): void => {
+    if (last) draw(...last);
+  };
+  before.addEventListener("click", () => { page -= 1; again(); });
+  after.addEventListener("click", () => { page += 1; again(); });
+  filter.addEventListener("input", () => {
+    page = 0;
+    choose("filter", filter.value.trim() || null);
     again();
   });
-  after.addEventListener("click", () => {
-    if (next !== null) starts = [...starts, next];
-    again();
+  element.addEventListener("keydown", (event) => {
+    const step = { j: 1, k: -1 }[event.key];
+    const links = [...body.querySelectorAll<HTMLElement>("a")];
+    const at = links.indexOf(document.activeElement as HTMLElement);
+    if (step === undefined || at < 0) return;
+    event.preventDefault();
+    links[at + step]?.focus();
   });
-  return { element, refresh };
+  return { element, draw };
 }
 
 function row(run: Run): HTMLTableRowElement {
@@ -61,20 +112,25 @@ function row(run: Run): HTMLTableRowElement {
   );
 }
 
-function fill(item: HTMLTableRowElement, run: Run): void {
+function fill(item: HTMLTableRowElement, run: Run, odd: string): void {
   const badge = item.cells[1]!.firstElementChild as HTMLElement;
   write(badge, run.state);
   badge.dataset["state"] = run.state;
+  const number = (name: string): string => {
+    const value = measureOf(run, name);
+    return value === null ? "" : whole(value);
+  };
   const cells = [
-    whole(run.seed),
+    String(run.seed),
     run.label || run.method,
-    run.result ? whole(run.result.p1) : "",
-    run.result ? whole(run.result.p10) : "",
+    number("p1"), number("p10"),
     run.result ? percent(run.result.fractions.p1) : "",
-    run.error ??
+    run.result ? number("t90_steps") || "never" : "",
+    odd ||
       (run.state === "running" && run.progress
-        ? sentence(percent(run.progress.fraction), run.progress.eta_s !== null && `${duration(run.progress.eta_s)} left`)
+        ? sentence(percent(run.progress.fraction), run.progress.eta_s != null && `${duration(run.progress.eta_s)} left`)
         : ""),
   ];
   cells.forEach((text, place) => write(item.cells[place + 2]!, text));
+  item.classList.toggle("odd", odd !== "");
 }

@@ -1,54 +1,69 @@
-// A job: which group is better and how sure that is, then curves, differences, strips, runs. All
-// figures are pooled by the server over every run of the job, never over a page of them.
+// A job: which group is better and how sure that is, then curves, differences, strips, maps, runs.
+// All that is pooled is pooled by the server over every run of the job, never over a page of them.
 
+import { calm, trouble, type Screen } from "../alert";
 import { h, show, write } from "../dom";
 import { choose, link } from "../route";
 import { post, read, remove, watch } from "../server";
-import type { Job, Summary } from "../types";
-import { calm, trouble, type Screen } from "../main";
+import { events } from "../stream";
+import type { Comparison, Curves, Job, Run, Summary } from "../types";
 import { title } from "../jobs/list";
 import { pace, percent, sentence, whole } from "../words";
+import { AllRuns, MOST } from "./all_runs";
 import { curvesChart } from "./curves";
 import { forestPlot } from "./forest";
-import { stripPlots } from "./strips";
+import { grouping, odd, varied } from "./groups";
+import { coverageMaps } from "./maps";
 import { runsTable } from "./runs";
-import type { Comparison, Curves } from "./pooled";
+import { scalingPlots } from "./scaling";
+import { stripPlots } from "./strips";
+import { sweepMap } from "./sweep";
 
+/** Least time between two looks at what is pooled, and at runs on their way. */
 const EVERY_MS = 2_000;
+/** The same for jobs of many runs. */
+const MANY_RUNS = 300;
+const EVERY_OF_MANY_MS = 10_000;
+/** Groups that the server compares. */
+const MOST_COMPARED = 32;
 /** Ten methods on each of three arenas. */
 const CHAPTER_5_GROUPS = 30;
-/** The measures that a reader may choose, and what they are called. */
-const MEASURES: [string, string][] = [
-  ["p1", "squares entered once"],
-  ["p2", "… twice"],
-  ["p5", "… five times"],
-  ["p10", "… ten times"],
-];
+const ENDED = ["done", "failed", "cancelled"];
+const ABOUT: Record<string, string> = {
+  p1: "squares entered once", p2: "… twice", p5: "… five times", p10: "… ten times",
+  p1_fraction: "share of what can be reached", p2_fraction: "… twice", p5_fraction: "… five times", p10_fraction: "… ten times",
+};
+const FIRST = ["p1", "p2", "p5", "p10", "p1_fraction", "p2_fraction", "p5_fraction", "p10_fraction"];
 
 export function jobScreen(id: string, options: URLSearchParams): Screen {
   let measure = options.get("measure") ?? "p1";
-  let scale = options.get("scale") ?? "linear";
+  let by: string | null = options.get("by");
+  const hidden = new Set((options.get("hide") ?? "").split("|").filter(Boolean));
+  const [from, to] = (options.get("zoom") ?? "").split("-").map(Number);
+  const zoom: [number, number] | null = from && to && from < to ? [from, to] : null;
   const heading = h("h2", {}, `Job ${id}`);
   const badge = h("span", { class: "badge" });
   const bar = h("progress", { max: 1, "aria-label": "Share of the work done" });
   const facts = h("p", { class: "facts" });
   const verdict = h("p", { class: "verdict", role: "status" });
   const copy = h("button", { type: "button", hidden: true }, "Copy as sentence");
-  copy.addEventListener("click", () => void navigator.clipboard.writeText(verdict.textContent ?? ""));
+  copy.addEventListener("click", () => {
+    navigator.clipboard.writeText(verdict.textContent ?? "").then(
+      () => {
+        write(copy, "Copied");
+        setTimeout(() => write(copy, "Copy as sentence"), 1_500);
+      },
+      () => getSelection()?.selectAllChildren(verdict),
+    );
+  });
 
   const act = (name: string, what: string, sure?: string): HTMLButtonElement => {
     const button = h("button", { type: "button", hidden: true }, name);
     button.addEventListener("click", () => {
       if (sure && !confirm(sure)) return;
       const path = `/v1/jobs/${id}`;
-      const done = what === "delete" ? remove(path) : post(`${path}/${what}`);
-      done.then(
-        () => {
-          if (what === "delete") location.hash = link("overview");
-          else watching.now();
-        },
-        trouble,
-      );
+      if (what === "delete") remove(path).then(() => { location.hash = link("overview"); }, trouble);
+      else post<Job>(`${path}/${what}`).then(showJob, trouble);
     });
     return button;
   };
@@ -58,100 +73,184 @@ export function jobScreen(id: string, options: URLSearchParams): Screen {
   const retry = act("Try again", "retry");
   const erase = act("Delete", "delete", "Delete this job and the results that only it has? This cannot be undone.");
   const clone = h("a", { class: "button", href: link("new", "", { from: id }) }, "Clone");
+  const extend = h("button", { type: "button" }, "More seeds");
+  extend.addEventListener("click", () => {
+    const seeds = Number(prompt("How many more seeds for each group? Their runs wait in the queue at once.", "5"));
+    if (Number.isInteger(seeds) && seeds > 0) post<Job>(`/v1/jobs/${id}/extend`, JSON.stringify({ seeds })).then(showJob, trouble);
+  });
 
-  const select = h("select", { id: "measure" }, ...MEASURES.map(([name, text]) =>
-    h("option", { value: name, selected: name === measure }, `${name}: ${text}`)));
-  const log = h("select", { id: "scale" }, ...["linear", "log"].map((name) =>
-    h("option", { value: name, selected: name === scale }, name)));
+  const select = h("select", { id: "measure" });
+  const groups = h("select", { id: "by" }, h("option", { value: "" }, "each combination"));
+  const log = h("select", { id: "scale" }, ...["linear", "log"].map((name) => h("option", { value: name }, name)));
+  log.value = options.get("scale") === "log" ? "log" : "linear";
+  const single = h("input", { type: "checkbox", checked: options.get("runs") === "1" });
+  const fillMeasures = (names: string[]): void => {
+    const all = [...FIRST, ...names.filter((name) => !FIRST.includes(name))];
+    if (select.options.length === all.length) return;
+    select.replaceChildren(...all.map((name) => h("option", { value: name }, ABOUT[name] ? `${name}: ${ABOUT[name]}` : name)));
+    select.value = measure;
+  };
+  fillMeasures([]);
   const tools = h(
     "div",
     { class: "tools" },
     h("label", { for: "measure" }, "Measure"), select,
+    h("label", { for: "by" }, "Groups"), groups,
     h("label", { for: "scale" }, "Scale"), log,
+    h("label", {}, single, " single runs"),
   );
-  const curves = curvesChart();
+  const curves = curvesChart(hidden, zoom);
   const forest = forestPlot();
   const strips = stripPlots();
-  const table = runsTable();
-  const downloads = h("p", { class: "facts" });
-  const charts = h("div", { hidden: true }, tools, curves.element, forest.element, strips.element);
+  const scaling = scalingPlots();
+  const sweep = sweepMap();
+  const maps = coverageMaps(id, options.get("maps") === "1");
+  const table = runsTable(options);
+  const report = h("a", { href: `/v1/jobs/${id}/report.html`, hidden: true }, "report on chapter 5");
+  const downloads = h("p", { class: "files" },
+    ...["summary.csv", "summary.md", "comparison.csv", "comparison.md", "runs.csv", "runs.parquet", "curves.parquet", "metrics.parquet"].map((name) =>
+      h("a", { href: `/v1/jobs/${id}/${name}` }, name)),
+    report);
+  const cut = h("p", { class: "quiet", hidden: true }, `The table and the strips have the first ${whole(MOST)} runs; what is pooled has all.`);
+  const charts = h("div", { class: "screen", hidden: true }, tools, curves.element, forest.element, strips.element, scaling.element, sweep.element, maps.element);
   const waiting = h("p", { class: "quiet" }, "Charts come when the first runs are done.");
   const element = h(
     "article",
     { class: "screen panel" },
     h("div", { class: "head" }, heading, badge,
-      h("span", { class: "actions" }, pause, resume, cancel, retry, clone, erase)),
+      h("span", { class: "actions" }, pause, resume, cancel, retry, extend, clone, erase)),
     bar, facts,
     h("div", { class: "said" }, verdict, copy),
     waiting, charts,
-    h("h3", {}, "Runs"), table.element, downloads,
+    h("h3", {}, "Runs"), table.element, cut,
+    h("h3", {}, "Files"), downloads,
   );
 
-  let pooled_at = "";
-  const look = async (signal: AbortSignal): Promise<void> => {
-    const job = await read<Job>(`/v1/jobs/${id}`, signal);
-    calm();
-    write(heading, title(job));
-    document.title = `${title(job)} – evswarm`;
-    write(badge, job.state);
-    badge.dataset["state"] = job.state;
-    if (bar.value !== job.progress) bar.value = job.progress;
-    const ended = ["done", "failed", "cancelled"].includes(job.state);
-    show(pause, ["queued", "running"].includes(job.state));
-    show(resume, job.state === "paused");
+  let job: Job | null = null;
+  let pooled = "";
+  let changed = true;
+  const all = new AllRuns();
+  let summary: Summary | null = null;
+
+  function showJob(next: Job): void {
+    job = next;
+    changed = true;
+    write(heading, title(next));
+    document.title = `${title(next)} – evswarm`;
+    write(badge, next.state);
+    badge.dataset["state"] = next.state;
+    if (bar.value !== next.progress) bar.value = next.progress;
+    const ended = ENDED.includes(next.state);
+    show(pause, ["queued", "running"].includes(next.state));
+    show(resume, next.state === "paused");
     show(cancel, !ended);
-    show(retry, ended && job.runs.failed + job.runs.cancelled > 0);
+    show(retry, ended && next.runs.failed + next.runs.cancelled > 0);
     show(erase, ended);
     write(
       facts,
       sentence(
-        percent(job.progress),
-        `${whole(job.runs.done)} of ${whole(job.runs.total)} runs done`,
-        job.runs.failed > 0 && `${whole(job.runs.failed)} failed`,
-        pace(job),
-        `accepted ${new Date(job.created_at).toLocaleString()}`,
+        percent(next.progress),
+        `${whole(next.runs.done)} of ${whole(next.runs.total)} runs done`,
+        next.runs.failed > 0 && `${whole(next.runs.failed)} failed`,
+        pace(next),
+        `accepted ${new Date(next.created_at).toLocaleString()}`,
       ),
     );
-    await table.refresh(id, signal);
-    // What is pooled changes with the runs that are done, and with what was chosen.
-    const now = `${job.runs.done} ${measure}`;
-    if (now === pooled_at) return;
-    show(waiting, job.runs.done === 0);
-    show(charts, job.runs.done > 0);
-    if (job.runs.done === 0) return;
-    const [summary, comparison, lines] = await Promise.all([
-      read<Summary>(`/v1/jobs/${id}/summary`, signal),
-      read<Comparison>(`/v1/jobs/${id}/comparison?measure=${measure}`, signal),
-      read<Curves>(`/v1/jobs/${id}/curves?measure=${measure}&points=200`, signal),
-    ]);
-    const labels = summary.groups.map((group) => group.label);
-    // Only the experiments of chapter 5 have as many groups and a report.
-    show(report, summary.groups.length >= CHAPTER_5_GROUPS);
-    write(verdict, comparison.verdict);
-    show(copy, comparison.verdict !== "");
-    curves.draw(lines, labels, { log: scale === "log", measure });
-    forest.draw(comparison);
-    await strips.draw(id, summary, signal);
-    pooled_at = now;
+  }
+  const showRuns = (): void => {
+    const runs: Run[] = all.runs;
+    const group = summary ? grouping(summary, by) : (run: Run) => run.label;
+    table.draw(runs, odd(runs, group, "p1"));
+    show(cut, (job?.runs.total ?? 0) > MOST);
   };
-  const watching = watch(EVERY_MS, look, trouble);
+  let key = "";
+  const look = async (signal: AbortSignal): Promise<void> => {
+    if (!job) showJob(await read<Job>(`/v1/jobs/${id}`, signal));
+    const { done, total } = job!.runs;
+    const ended = ENDED.includes(job!.state);
+    // What is pooled changes with the runs that are done, and with what was chosen.
+    const now = `${done} ${total} ${measure} ${by} ${single.checked} ${ended}`;
+    const isPooled = now === pooled;
+    if (!changed && isPooled) return;
+    changed = false;
+    await all.refresh(job!, signal);
+    if (isPooled || done === 0) {
+      showRuns();
+      show(waiting, done === 0);
+      show(charts, done > 0);
+      return;
+    }
+    show(waiting, false);
+    show(charts, true);
+    const level = measure.split("_")[0]!;
+    const curved = ["p1", "p2", "p5", "p10"].includes(level) ? level : "p1";
+    const query = (more: Record<string, string>): string => new URLSearchParams({ ...more, ...(by && { by }) }).toString();
+    summary = await read<Summary>(`/v1/jobs/${id}/summary`, signal);
+    fillMeasures(summary.groups[0]?.measures.map((one) => one.name) ?? []);
+    fillGroups(varied(summary));
+    const isMany = by === null && summary.groups.length > MOST_COMPARED;
+    const [comparison, lines] = await Promise.all([
+      isMany ? null : read<Comparison>(`/v1/jobs/${id}/comparison?${query({ measure })}`, signal),
+      read<Curves>(`/v1/jobs/${id}/curves?${query({ measure: curved, points: "200", ...(single.checked && { runs: "true" }) })}`, signal),
+    ]);
+    const labels = lines.groups.map((group) => group.label);
+    // Only the experiments of chapter 5 have as many groups and a report.
+    show(report, summary.groups.length >= CHAPTER_5_GROUPS && ended);
+    write(verdict, comparison?.verdict ?? `${whole(summary.groups.length)} groups are more than can be compared in pairs: choose a field under "Groups".`);
+    show(copy, (comparison?.verdict ?? "") !== "");
+    curves.draw(lines, { log: log.value === "log", single: single.checked });
+    forest.draw(comparison);
+    strips.draw(all.runs, labels, grouping(summary, by));
+    scaling.draw(summary.scaling ?? []);
+    sweep.draw(summary, measure);
+    showRuns();
+    key = `${done} ${total}`;
+    pooled = now;
+    await maps.draw(by, labels.length, key);
+  };
+  const fillGroups = (fields: string[]): void => {
+    if (groups.options.length === fields.length + 1) return;
+    groups.append(...fields.map((field) => h("option", { value: field }, `by ${field}`)));
+    groups.value = by ?? "";
+  };
+  const watching = watch(EVERY_MS, look, trouble, () => ((job?.runs.total ?? 0) > MANY_RUNS && job?.state === "running" ? EVERY_OF_MANY_MS : EVERY_MS));
+  const hearing = events(`/v1/jobs/${id}/events`, (name, data) => {
+    calm();
+    if (name === "job") {
+      showJob(data as Job);
+      if (ENDED.includes((data as Job).state)) watching.now();
+    } else if (name === "state") changed = true;
+  });
+  const again = (): void => {
+    changed = true;
+    watching.now();
+  };
   select.addEventListener("change", () => {
     measure = select.value;
-    choose("measure", measure);
-    watching.now();
+    choose("measure", measure === "p1" ? null : measure);
+    again();
+  });
+  groups.addEventListener("change", () => {
+    by = groups.value || null;
+    hidden.clear();
+    choose("hide", null);
+    choose("by", by);
+    again();
   });
   log.addEventListener("change", () => {
-    scale = log.value;
-    choose("scale", scale);
-    pooled_at = "";
-    watching.now();
+    choose("scale", log.value === "linear" ? null : log.value);
+    pooled = "";
+    again();
   });
-  const report = h("a", { href: `/v1/jobs/${id}/report.html`, hidden: true }, "report on chapter 5");
-  downloads.append(
-    h("a", { href: `/v1/jobs/${id}/summary.csv` }, "summary as CSV"), " ",
-    h("a", { href: `/v1/jobs/${id}/summary.md` }, "summary as Markdown"), " ",
-    h("a", { href: `/v1/jobs/${id}/comparison.csv?measure=p1` }, "comparison as CSV"), " ",
-    report,
-  );
-  return { element, title: `Job ${id}`, stop: () => { watching.stop(); curves.stop(); } };
+  single.addEventListener("change", () => {
+    choose("runs", single.checked ? "1" : null);
+    again();
+  });
+  return {
+    element,
+    title: `Job ${id}`,
+    stop: () => {
+      for (const stopping of [watching, hearing, curves]) stopping.stop();
+    },
+  };
 }

@@ -1,67 +1,92 @@
-// Every run as a dot, by group, for each of the four coverage counts: nothing hides in a mean.
+// Every run as a dot, by group, for each of the chosen measures: nothing hides in a mean.
 
 import { h, svg, write } from "../dom";
 import { look } from "../looks";
-import { read } from "../server";
-import type { Page, Run, Summary } from "../types";
+import { link } from "../route";
+import { savers } from "../charts/save";
+import type { Run } from "../types";
 import { figure, whole } from "../words";
+import { measureOf } from "./groups";
 
-const MEASURES = ["p1", "p2", "p5", "p10"] as const;
+/** Shown at once; the rest when asked for. */
+const FIRST = ["p1", "p10", "t90_steps", "memory_bytes"];
+const REST = ["p2", "p5", "t50_steps", "t99_steps", "mean_coverage", "overlap", "collisions_per_robot_step"];
 const ROW = 22;
 const WIDTH = 360;
 /** Most runs that are drawn. */
 const MOST = 2_000;
+/** Groups beyond which strips get low. */
+const MANY = 24;
 
 export interface StripPlots {
   element: HTMLElement;
-  draw(job: string, summary: Summary, signal: AbortSignal): Promise<void>;
+  draw(runs: Run[], labels: string[], group: (run: Run) => string): void;
 }
 
 export function stripPlots(): StripPlots {
   const plots = h("div", { class: "strips" });
+  const rest = h("div", { class: "strips" });
+  const more = h("details", {}, h("summary", {}, "More measures"), rest);
   const cut = h("p", { class: "quiet" });
-  const element = h("section", {}, h("h3", {}, "All finished runs"), plots, cut);
+  const element = h("section", {}, h("h3", {}, "All finished runs"), plots, more, cut);
+  let last: Parameters<StripPlots["draw"]> | null = null;
+  const fill = (): void => {
+    if (last && more.open) rest.replaceChildren(...REST.map((measure) => strip(measure, ...last!)));
+  };
+  more.addEventListener("toggle", fill);
   return {
     element,
-    draw: async (job, summary, signal) => {
-      const runs: Run[] = [];
-      let next: string | null = "0";
-      while (next !== null && runs.length < MOST) {
-        const page: Page<Run> = await read(`/v1/jobs/${job}/runs?limit=200&cursor=${next}`, signal);
-        runs.push(...page.items.filter((run) => run.result !== null));
-        next = page.next;
-      }
-      write(cut, next === null ? "" : `The first ${whole(runs.length)} finished runs are shown.`);
-      const labels = summary.groups.map((group) => group.label);
-      plots.replaceChildren(...MEASURES.map((measure) => strip(measure, labels, runs, summary)));
+    draw: (runs, labels, group) => {
+      const done = runs.filter((run) => run.result != null);
+      const shown = done.slice(0, MOST);
+      last = [shown, labels, group];
+      write(cut, shown.length < done.length ? `The first ${whole(MOST)} finished runs are shown.` : `n = ${whole(done.length)} runs.`);
+      plots.replaceChildren(...FIRST.map((measure) => strip(measure, shown, labels, group)));
+      fill();
     },
   };
 }
 
-function strip(measure: (typeof MEASURES)[number], labels: string[], runs: Run[], summary: Summary): Element {
-  const values = runs
-    .map((run) => ({ place: labels.indexOf(run.label), value: run.result?.[measure] ?? 0, run: run.id }))
-    .filter((run) => run.place >= 0);
-  const most = Math.max(...values.map((run) => run.value), 1);
-  const height = labels.length * ROW + 40;
+function strip(measure: string, runs: Run[], labels: string[], group: (run: Run) => string): HTMLElement {
+  const places = new Map(labels.map((label, place) => [label, place]));
+  const values = runs.flatMap((run) => {
+    const value = measureOf(run, measure);
+    const place = places.get(group(run));
+    return value === null || place === undefined ? [] : [{ place, value, run }];
+  });
+  if (values.length === 0) {
+    return h("figure", {}, h("p", { class: "facts" }, `${measure}: no run has it${measure.endsWith("_steps") ? ", as none got there" : ""}.`));
+  }
+  const most = Math.max(...values.map((one) => one.value), 1e-12);
+  const row = labels.length > MANY ? 12 : ROW;
+  const height = labels.length * row + 44;
   const x = (value: number): number => 12 + (value / most) * (WIDTH - 24);
-  const drawing = svg("svg", { viewBox: `0 0 ${WIDTH} ${height}`, role: "img", "aria-label": `${measure} of every run by group` });
-  drawing.append(svg("text", { x: 0, y: 12, class: "name" }, measure));
-  labels.forEach((label, place) => {
-    const y = 24 + place * ROW + ROW / 2;
-    const group = summary.groups[place]?.measures.find((one) => one.name === measure);
+  const drawing = svg("svg", { viewBox: `0 0 ${WIDTH} ${height}`, role: "img", "aria-label": `${measure} of every run by group, n = ${values.length}` });
+  drawing.append(svg("text", { x: 0, y: 12, class: "name" }, `${measure}  (n ${values.length})`));
+  labels.forEach((_, place) => {
+    const y = 24 + place * row + row / 2;
     drawing.append(svg("line", { x1: 12, x2: WIDTH - 12, y1: y, y2: y, class: "rail" }));
-    if (group?.mean !== null && group?.mean !== undefined) {
-      drawing.append(svg("line", { x1: x(group.mean), x2: x(group.mean), y1: y - 9, y2: y + 9, class: "mean" },
-        svg("title", {}, `${label || "all runs"}: mean ${figure(group.mean)}, n ${whole(group.n)}`)));
-    }
   });
   for (const { place, value, run } of values) {
-    drawing.append(svg("circle", { cx: x(value), cy: 24 + place * ROW + ROW / 2, r: 3.5, fill: look(place).colour, "fill-opacity": 0.65 },
-      svg("title", {}, `${labels[place]}: ${figure(value)} (${run.slice(0, 8)})`)));
+    const dot = svg("circle", {
+      cx: x(value).toFixed(1), cy: 24 + place * row + row / 2, r: 3.5,
+      fill: look(place).colour, "fill-opacity": 0.65, class: "dot",
+    });
+    dot.append(svg("title", {}, `${labels[place] || "all runs"}, seed ${run.seed}: ${figure(value)}`));
+    dot.addEventListener("click", () => { location.hash = link("run", run.id); });
+    drawing.append(dot);
   }
+  labels.forEach((label, place) => {
+    const own = values.filter((one) => one.place === place).map((one) => one.value);
+    if (own.length === 0) return;
+    const mean = own.reduce((sum, value) => sum + value, 0) / own.length;
+    const y = 24 + place * row + row / 2;
+    drawing.append(svg("line", { x1: x(mean), x2: x(mean), y1: y - row / 2 + 2, y2: y + row / 2 - 2, class: "mean" },
+      svg("title", {}, `${label || "all runs"}: mean ${figure(mean)}, n ${own.length}`)));
+  });
   for (const value of [0, most]) {
-    drawing.append(svg("text", { x: x(value), y: height - 2, "text-anchor": value ? "end" : "start", class: "tick" }, figure(value)));
+    drawing.append(svg("text", { x: x(value), y: height - 4, "text-anchor": value ? "end" : "start", class: "tick" }, figure(value)));
   }
-  return drawing;
+  const csv = (): string => ["group,seed,run," + measure, ...values.map(({ place, value, run }) => [JSON.stringify(labels[place]), run.seed, run.id, value].join(","))].join("\n");
+  return h("figure", {}, drawing, savers(measure, { svg: () => drawing, csv }));
 }

@@ -4,7 +4,7 @@ import { h, keyed, show, write } from "../dom";
 import { link } from "../route";
 import { read, watch } from "../server";
 import type { Job, Page } from "../types";
-import { calm, trouble } from "../main";
+import { calm, trouble } from "../alert";
 import { compact, duration, percent, sentence, whole } from "../words";
 
 const EVERY_MS = 2_000;
@@ -96,7 +96,7 @@ export function jobList(tell: (rate: string) => void): JobList {
         const query = new URLSearchParams({ limit: String(size), ...(next && { cursor: next }) });
         const page: Page<Job> = await read(`/v1/jobs?${query}`, signal);
         found.push(...page.items);
-        next = page.next;
+        next = page.next ?? null;
       } while (next !== null && found.length < limit);
       jobs = found;
       show(older, next !== null);

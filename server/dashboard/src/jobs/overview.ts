@@ -4,7 +4,7 @@ import { h, keyed, show, write } from "../dom";
 import { link } from "../route";
 import { post, read } from "../server";
 import type { Job, Template } from "../types";
-import { trouble, type Screen } from "../main";
+import { trouble, type Screen } from "../alert";
 import { title } from "./list";
 import { pace, percent, sentence, whole } from "../words";
 

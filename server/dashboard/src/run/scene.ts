@@ -1,110 +1,420 @@
-// The arena of a run: walls, starts, and what was covered as a heat map with a legend.
+// The arena of a run: what was covered as a heat map with a legend, and over it the robots, drawn
+// anew only when there is something new to see.
 
-import { h, write } from "../dom";
-import { heat, themed } from "../looks";
+import { h, show, write } from "../dom";
+import { HEAT, heat, look, themed } from "../looks";
+import type { Arena } from "../types";
 import { whole } from "../words";
+import type { Frame, Squares } from "./frames";
+import { MOUNTS, RANGE_M } from "./body";
 
-export interface Walls {
-  width_m: number;
-  height_m: number;
-  walls_m: readonly (readonly [number, number, number, number])[];
-  starts: readonly { x_m: number; y_m: number; heading_rad: number }[];
-}
-
-export interface Grid {
-  columns: number;
-  rows: number;
-  /** Row by row, the first the lowest y. */
-  counts: readonly (readonly number[])[];
-}
+export const LAYERS = {
+  visits: "visits (log scale)",
+  first: "first visit",
+  last: "last visit since you look",
+  none: "no map",
+} as const;
+export type Layer = keyof typeof LAYERS;
+export type Over = "robots" | "rays" | "trails" | "radio";
 
 export interface Scene {
   element: HTMLElement;
-  draw(walls: Walls, grid: Grid): void;
+  arena(arena: Arena, radius_m: number, radioRange_m: number | null): void;
+  frame(frame: Frame): void;
+  squares(squares: Squares): void;
+  layer(layer: Layer): void;
+  over(what: Over, on: boolean): void;
+  choose(robot: number): void;
+  /** Times that took long, for tests: pictures drawn and milliseconds that they took. */
+  readonly drawn: { pictures: number; ms: number };
   stop(): void;
 }
 
 const LEGEND_STEPS = 64;
+const MOST_HIGH_PX = 640;
+/** Robots that have colours and trails of their own. */
+const COLOURED = 8;
+const TRAILED = 64;
+const TRAIL = 240;
+/** Steps between two pictures above which a line between them would be made up. */
+const TRAIL_STEPS = 40;
 
-export function scene(): Scene {
-  const canvas = h("canvas", { role: "img" });
+export function scene(onChoose: (robot: number) => void): Scene {
+  const ground = h("canvas", { role: "img" });
+  const swarm = h("canvas", { class: "swarm", "aria-hidden": true });
   const ramp = h("canvas", { class: "ramp", width: LEGEND_STEPS, height: 1, "aria-hidden": true });
-  const low = h("span", {});
-  const high = h("span", {});
-  const element = h(
-    "figure",
-    { class: "scene" },
-    canvas,
-    h("figcaption", { class: "quiet" }, low, ramp, high),
-  );
+  const [low, high] = [h("span", {}), h("span", {})];
+  const legend = h("figcaption", { class: "quiet" }, low, ramp, high);
+  const holder = h("div", { class: "stage" }, ground, swarm);
+  const element = h("figure", { class: "scene" }, holder, legend);
   const pixels = ramp.getContext("2d");
   for (let x = 0; pixels && x < LEGEND_STEPS; x++) {
     pixels.fillStyle = `rgb(${heat(x / (LEGEND_STEPS - 1)).join(",")})`;
     pixels.fillRect(x, 0, 1, 1);
   }
-  let last: [Walls, Grid] | null = null;
-  const draw: Scene["draw"] = (walls, grid) => {
-    last = [walls, grid];
-    const width = Math.max(canvas.parentElement?.clientWidth ?? 0, 240);
-    const scale = Math.min(width / walls.width_m, 640 / walls.height_m);
-    const density = devicePixelRatio || 1;
-    canvas.width = Math.round(walls.width_m * scale * density);
-    canvas.height = Math.round(walls.height_m * scale * density);
-    canvas.style.width = `${walls.width_m * scale}px`;
-    const pen = canvas.getContext("2d");
+  const raster = document.createElement("canvas");
+  const shown = { robots: true, rays: false, trails: true, radio: false };
+  const drawn = { pictures: 0, ms: 0 };
+  let arena: Arena | null = null;
+  let radius_m = 0.037;
+  let range_m: number | null = null;
+  let scale = 1;
+  let density = 1;
+  let frame: Frame | null = null;
+  let squares: Squares | null = null;
+  let before: Uint32Array | null = null;
+  let last: Float64Array | null = null;
+  let layer: Layer = "visits";
+  let robot = 0;
+  let trails: Float32Array[] = [];
+  let lengths: number[] = [];
+  let colours = { floor: "", ink: "", accent: "", warm: "", line: "" };
+  let due = 0;
+  let groundDue = false;
+
+  const theme = (): void => {
+    colours = {
+      floor: themed("--floor"), ink: themed("--ink"), accent: themed("--accent"),
+      warm: themed("--warm"), line: themed("--quiet"),
+    };
+  };
+  const ask = (withGround: boolean): void => {
+    groundDue ||= withGround;
+    if (due === 0) due = requestAnimationFrame(draw);
+  };
+  const draw = (): void => {
+    due = 0;
+    if (!arena) return;
+    const start = performance.now();
+    if (groundDue) drawGround(arena);
+    groundDue = false;
+    drawSwarm(arena);
+    drawn.pictures += 1;
+    drawn.ms += performance.now() - start;
+  };
+  const fit = (): void => {
+    if (!arena) return;
+    const width = Math.max(element.clientWidth, 240);
+    scale = Math.min(width / arena.width_m, MOST_HIGH_PX / arena.height_m);
+    density = devicePixelRatio || 1;
+    for (const canvas of [ground, swarm]) {
+      canvas.width = Math.round(arena.width_m * scale * density);
+      canvas.height = Math.round(arena.height_m * scale * density);
+      canvas.style.width = `${arena.width_m * scale}px`;
+      canvas.style.height = `${arena.height_m * scale}px`;
+    }
+    theme();
+    ask(true);
+  };
+
+  /** The value of each square between 0 and 1, below 0 for none; and the legend. */
+  const values = (s: Squares): { value: (n: number) => number; low: string; high: string } | null => {
+    if (layer === "none") return null;
+    if (layer === "visits") {
+      let most = 1;
+      for (const count of s.visits) if (count > most) most = count;
+      const top = Math.log1p(most);
+      return {
+        value: (n) => (s.visits[n]! > 0 ? Math.log1p(s.visits[n]!) / top : -1),
+        low: "1 entry", high: `${whole(most)} entries (log scale)`,
+      };
+    }
+    const at = layer === "first" ? s.first : last;
+    let top = 1;
+    for (const value of at ?? []) if (value > top) top = value;
+    return {
+      value: (n) => {
+        const value = at?.[n] ?? -1;
+        return value < 0 ? -1 : value / top;
+      },
+      low: layer === "first" ? "entered first at step 0" : "entered when you began to look",
+      high: layer === "first" ? `at step ${whole(top)}` : "just now",
+    };
+  };
+  const drawGround = (where: Arena): void => {
+    const pen = ground.getContext("2d");
     if (!pen) return;
-    pen.fillStyle = themed("--floor");
-    pen.fillRect(0, 0, canvas.width, canvas.height);
-    const most = Math.max(1, ...grid.counts.map((row) => Math.max(...row)));
-    const w = canvas.width / grid.columns;
-    const t = canvas.height / grid.rows;
-    let covered = 0;
-    grid.counts.forEach((row, y) => {
-      row.forEach((count, x) => {
-        if (count === 0) return;
-        covered += 1;
-        pen.fillStyle = `rgb(${heat(Math.log1p(count) / Math.log1p(most)).join(",")})`;
-        const top = canvas.height - (y + 1) * t;
-        pen.fillRect(Math.floor(x * w), Math.floor(top), Math.ceil(w), Math.ceil(t));
-      });
-    });
     const k = scale * density;
-    pen.strokeStyle = themed("--ink");
+    pen.fillStyle = colours.floor;
+    pen.fillRect(0, 0, ground.width, ground.height);
+    const map = squares && !frame?.isTraining ? values(squares) : null;
+    let covered = 0;
+    if (map && squares) {
+      const { columns, rows } = squares;
+      raster.width = columns;
+      raster.height = rows;
+      const small = raster.getContext("2d")!;
+      const image = small.createImageData(columns, rows);
+      const bytes = new Uint32Array(image.data.buffer);
+      for (let y = 0; y < rows; y++) {
+        for (let x = 0; x < columns; x++) {
+          const value = map.value(y * columns + x);
+          if (value < 0) continue;
+          covered += 1;
+          bytes[(rows - 1 - y) * columns + x] = HEAT[Math.round(Math.min(value, 1) * 255)]!;
+        }
+      }
+      small.putImageData(image, 0, 0);
+      pen.imageSmoothingEnabled = false;
+      pen.drawImage(raster, 0, 0, ground.width, ground.height);
+      write(low, map.low);
+      write(high, map.high);
+    }
+    show(legend, map !== null);
+    pen.strokeStyle = colours.ink;
     pen.lineWidth = 2 * density;
     pen.lineCap = "round";
-    pen.strokeRect(density, density, canvas.width - 2 * density, canvas.height - 2 * density);
+    pen.strokeRect(density, density, ground.width - 2 * density, ground.height - 2 * density);
     pen.beginPath();
-    for (const [x1, y1, x2, y2] of walls.walls_m) {
-      pen.moveTo(x1 * k, canvas.height - y1 * k);
-      pen.lineTo(x2 * k, canvas.height - y2 * k);
+    for (const [x1, y1, x2, y2] of where.walls_m ?? []) {
+      pen.moveTo(x1 * k, ground.height - y1 * k);
+      pen.lineTo(x2 * k, ground.height - y2 * k);
     }
     pen.stroke();
-    pen.strokeStyle = themed("--accent");
-    for (const start of walls.starts.slice(0, 100)) {
-      const [x, y, r] = [start.x_m * k, canvas.height - start.y_m * k, 0.037 * k];
+    if (!frame) {
+      pen.strokeStyle = colours.accent;
+      for (const start of where.starts.slice(0, 200)) {
+        disc(pen, start.x_m * k, ground.height - start.y_m * k, radius_m * k, start.heading_rad);
+        pen.stroke();
+      }
+    }
+    ground.setAttribute(
+      "aria-label",
+      squares
+        ? `Arena with ${whole(covered)} squares entered${frame ? `, ${whole(frame.robots)} robots` : ""}`
+        : `Arena${frame ? ` with ${whole(frame.robots)} robots` : ""}`,
+    );
+  };
+  const drawSwarm = (where: Arena): void => {
+    const pen = swarm.getContext("2d");
+    if (!pen) return;
+    pen.clearRect(0, 0, swarm.width, swarm.height);
+    if (!frame) return;
+    const k = scale * density;
+    const top = swarm.height;
+    const { poses, objects, robots } = frame;
+    if (objects.length) {
+      pen.strokeStyle = colours.ink;
+      pen.fillStyle = `${OBJECT_FILL}`;
+      pen.lineWidth = 1.5 * density;
+      for (let n = 0; n * 3 < objects.length; n++) {
+        object(pen, where.objects?.[n], objects[n * 3]! * k, top - objects[n * 3 + 1]! * k, objects[n * 3 + 2]!, k);
+      }
+    }
+    if (!shown.robots) return;
+    const r = Math.max(radius_m * k, 1.5 * density);
+    if (shown.trails) {
+      pen.lineWidth = 1.2 * density;
+      trails.forEach((trail, n) => {
+        const length = lengths[n] ?? 0;
+        pen.strokeStyle = robots <= COLOURED ? look(n).colour : colours.line;
+        pen.globalAlpha = n === robot ? 0.9 : 0.45;
+        pen.beginPath();
+        for (let p = 0; p < length; p++) {
+          const x = trail[p * 2]! * k;
+          const y = top - trail[p * 2 + 1]! * k;
+          if (p === 0) pen.moveTo(x, y);
+          else pen.lineTo(x, y);
+        }
+        pen.stroke();
+      });
+      pen.globalAlpha = 1;
+    }
+    if (shown.rays) rays(pen, frame, k, top);
+    if (shown.radio && range_m !== null && robot < robots) radio(pen, frame, k, top);
+    if (robots <= COLOURED) {
+      for (let n = 0; n < robots; n++) {
+        pen.fillStyle = look(n).colour;
+        pen.strokeStyle = colours.ink;
+        pen.lineWidth = 1.5 * density;
+        disc(pen, poses[n * 3]! * k, top - poses[n * 3 + 1]! * k, r, poses[n * 3 + 2]!);
+        pen.fill();
+        pen.stroke();
+      }
+    } else {
+      // All discs are one path and all headings another: a thousand robots are two strokes.
+      pen.fillStyle = colours.accent;
       pen.beginPath();
-      pen.arc(x, y, r, 0, 2 * Math.PI);
-      pen.moveTo(x, y);
-      pen.lineTo(x + r * Math.cos(start.heading_rad), y - r * Math.sin(start.heading_rad));
+      for (let n = 0; n < robots; n++) {
+        const x = poses[n * 3]! * k;
+        const y = top - poses[n * 3 + 1]! * k;
+        pen.moveTo(x + r, y);
+        pen.arc(x, y, r, 0, 2 * Math.PI);
+      }
+      pen.fill();
+      if (r > 2.5 * density) {
+        pen.strokeStyle = colours.floor;
+        pen.lineWidth = Math.max(r / 4, density);
+        pen.beginPath();
+        for (let n = 0; n < robots; n++) {
+          const x = poses[n * 3]! * k;
+          const y = top - poses[n * 3 + 1]! * k;
+          pen.moveTo(x, y);
+          pen.lineTo(x + r * Math.cos(poses[n * 3 + 2]!), y - r * Math.sin(poses[n * 3 + 2]!));
+        }
+        pen.stroke();
+      }
+    }
+    if (robot < robots) {
+      pen.strokeStyle = colours.warm;
+      pen.lineWidth = 3 * density;
+      pen.beginPath();
+      pen.arc(poses[robot * 3]! * k, top - poses[robot * 3 + 1]! * k, r + 4 * density, 0, 2 * Math.PI);
       pen.stroke();
     }
-    write(low, "1 entry");
-    write(high, `${whole(most)} entries (log scale)`);
-    canvas.setAttribute("aria-label", `Arena with ${whole(covered)} squares entered, at most ${whole(most)} times`);
   };
-  const again = (): void => {
-    if (last) draw(...last);
+  /** Directions of sensors, the stronger the nearer something is. */
+  const rays = (pen: CanvasRenderingContext2D, f: Frame, k: number, top: number): void => {
+    pen.lineWidth = 1.5 * density;
+    // Few strokes: rays of about the same strength are one path.
+    for (let level = 0; level < 4; level++) {
+      pen.globalAlpha = [0.18, 0.45, 0.7, 1][level]!;
+      pen.strokeStyle = level === 0 ? colours.line : colours.warm;
+      pen.beginPath();
+      for (let n = 0; n < f.robots; n++) {
+        const [x, y, heading] = [f.poses[n * 3]!, f.poses[n * 3 + 1]!, f.poses[n * 3 + 2]!];
+        const [cos, sin] = [Math.cos(heading), Math.sin(heading)];
+        for (let s = 0; s < 8; s++) {
+          const value = f.sensors[n * 8 + s]!;
+          const strength = value < 100 ? 0 : value < 500 ? 1 : value < 1500 ? 2 : 3;
+          if (strength !== level) continue;
+          const mount = MOUNTS[s]!;
+          const mx = x + mount.x_m * cos - mount.y_m * sin;
+          const my = y + mount.x_m * sin + mount.y_m * cos;
+          const angle = heading + mount.heading_rad;
+          pen.moveTo(mx * k, top - my * k);
+          pen.lineTo((mx + RANGE_M * Math.cos(angle)) * k, top - (my + RANGE_M * Math.sin(angle)) * k);
+        }
+      }
+      pen.stroke();
+    }
+    pen.globalAlpha = 1;
   };
-  const theme = matchMedia("(prefers-color-scheme: dark)");
-  theme.addEventListener("change", again);
-  const resize = new ResizeObserver(again);
+  /** The range of the chosen robot's radio, and lines to whom it covers. */
+  const radio = (pen: CanvasRenderingContext2D, f: Frame, k: number, top: number): void => {
+    const [x, y] = [f.poses[robot * 3]!, f.poses[robot * 3 + 1]!];
+    pen.strokeStyle = colours.warm;
+    pen.lineWidth = density;
+    pen.setLineDash([4 * density, 4 * density]);
+    pen.beginPath();
+    pen.arc(x * k, top - y * k, range_m! * k, 0, 2 * Math.PI);
+    pen.stroke();
+    pen.setLineDash([]);
+    pen.beginPath();
+    for (let n = 0; n < f.robots; n++) {
+      const [ox, oy] = [f.poses[n * 3]!, f.poses[n * 3 + 1]!];
+      if (n === robot || (ox - x) ** 2 + (oy - y) ** 2 > range_m! ** 2) continue;
+      pen.moveTo(x * k, top - y * k);
+      pen.lineTo(ox * k, top - oy * k);
+    }
+    pen.stroke();
+  };
+  const addToTrails = (f: Frame): void => {
+    const steps = frame ? f.step - frame.step : 0;
+    const goesOn = frame !== null && steps >= 0 && steps <= TRAIL_STEPS && f.isTraining === frame.isTraining;
+    const count = f.robots <= TRAILED ? f.robots : 0;
+    if (!goesOn || trails.length !== count) {
+      trails = Array.from({ length: count }, () => new Float32Array(TRAIL * 2));
+      lengths = trails.map(() => 0);
+    }
+    for (let n = 0; n < count; n++) {
+      const trail = trails[n]!;
+      let length = lengths[n]!;
+      const [x, y] = [f.poses[n * 3]!, f.poses[n * 3 + 1]!];
+      // A robot that was put back to its start leaves no line across the arena.
+      const far = length > 0 && Math.hypot(x - trail[length * 2 - 2]!, y - trail[length * 2 - 1]!) > 0.02 * Math.max(steps, 1);
+      if (far) length = 0;
+      if (length === TRAIL) {
+        trail.copyWithin(0, 2);
+        length -= 1;
+      }
+      trail[length * 2] = x;
+      trail[length * 2 + 1] = y;
+      lengths[n] = length + 1;
+    }
+  };
+  swarm.addEventListener("click", (event) => {
+    if (!frame) return;
+    const box = swarm.getBoundingClientRect();
+    const x = (event.clientX - box.left) / scale;
+    const y = (box.bottom - event.clientY) / scale;
+    let nearest = -1;
+    let best = (radius_m * 3) ** 2;
+    for (let n = 0; n < frame.robots; n++) {
+      const distance = (frame.poses[n * 3]! - x) ** 2 + (frame.poses[n * 3 + 1]! - y) ** 2;
+      if (distance < best) [nearest, best] = [n, distance];
+    }
+    if (nearest >= 0) onChoose(nearest);
+  });
+  const dark = matchMedia("(prefers-color-scheme: dark)");
+  dark.addEventListener("change", fit);
+  const resize = new ResizeObserver(fit);
   resize.observe(element);
   return {
-    element,
-    draw,
+    element, drawn,
+    arena: (where, body_m, radio_m) => {
+      if (arena === where) return;
+      [arena, radius_m, range_m] = [where, body_m, radio_m];
+      fit();
+    },
+    frame: (next) => {
+      const changesGround = frame === null || frame.isTraining !== next.isTraining || frame.robots !== next.robots;
+      addToTrails(next);
+      frame = next;
+      ask(changesGround);
+    },
+    squares: (next) => {
+      const now = next.steps;
+      if (!before || before.length !== next.visits.length) {
+        last = new Float64Array(next.visits.length).fill(-1);
+      } else if (last) {
+        for (let n = 0; n < before.length; n++) if (next.visits[n]! !== before[n]!) last[n] = now;
+      }
+      before = next.visits;
+      squares = next;
+      ask(true);
+    },
+    layer: (next) => {
+      layer = next;
+      ask(true);
+    },
+    over: (what, on) => {
+      shown[what] = on;
+      ask(false);
+    },
+    choose: (next) => {
+      robot = next;
+      ask(false);
+    },
     stop: () => {
-      theme.removeEventListener("change", again);
+      cancelAnimationFrame(due);
+      dark.removeEventListener("change", fit);
       resize.disconnect();
     },
   };
+
+  function disc(pen: CanvasRenderingContext2D, x: number, y: number, r: number, heading: number): void {
+    pen.beginPath();
+    pen.arc(x, y, r, 0, 2 * Math.PI);
+    pen.moveTo(x, y);
+    pen.lineTo(x + r * Math.cos(heading), y - r * Math.sin(heading));
+  }
 }
+
+const OBJECT_FILL = "#b9770e88";
+
+/** A movable object: a box with its sides, else a disc. */
+function object(pen: CanvasRenderingContext2D, what: Record<string, unknown> | undefined, x: number, y: number, heading: number, k: number): void {
+  const number = (name: string): number | null => (typeof what?.[name] === "number" ? (what[name] as number) : null);
+  pen.save();
+  pen.translate(x, y);
+  pen.rotate(-heading);
+  pen.beginPath();
+  const [width, height] = [number("width_m"), number("height_m") ?? number("length_m")];
+  if (width !== null && height !== null) pen.rect((-width / 2) * k, (-height / 2) * k, width * k, height * k);
+  else pen.arc(0, 0, (number("radius_m") ?? 0.02) * k, 0, 2 * Math.PI);
+  pen.fill();
+  pen.stroke();
+  pen.restore();
+}
+

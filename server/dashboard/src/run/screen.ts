@@ -1,104 +1,238 @@
-// A run: how far it is, what it covered so far, and what it holds; while it runs and after.
+// A run, live: where its robots are, what they covered, what one of them senses and has learnt.
 
+import { calm, trouble, type Screen } from "../alert";
 import { h, keyed, show, write } from "../dom";
-import { link } from "../route";
+import { choose, link } from "../route";
 import { post, read, watch } from "../server";
-import type { Arena, Coverage, Run } from "../types";
-import { calm, trouble, type Screen } from "../main";
-import { scene, type Walls } from "./scene";
+import { events } from "../stream";
+import type { Arena, Coverage, CurveRow, Learnt, Progress, Run, RunSpec } from "../types";
 import { bytes, figure, pace, percent, sentence, whole } from "../words";
+import { curveChart } from "./curve";
+import { watchFrames, type Frame } from "./frames";
+import { LAYERS, scene, type Layer, type Over } from "./scene";
+import { senses } from "./senses";
+import { tableView } from "./table";
 
-const EVERY_MS = 1_000;
+const LEARNT_EVERY_MS = 1_000;
+const FINDINGS_EVERY_MS = 2_000;
+const ENDED = ["done", "failed", "cancelled"];
+
 /** A file of a run, as the server's own table lists it. */
 interface RunFile {
   route: string;
   needs_result: boolean;
   needs_objects: boolean;
-  needs_findings: boolean;
 }
 
-interface Spec {
-  arena: string | Partial<Arena>;
-  robots: number;
-  epochs: number;
-  steps_per_epoch: number;
-  engine: string;
-  memory_budget_bytes: number | null;
-}
-
-export function runScreen(id: string, _options: URLSearchParams): Screen {
+export function runScreen(id: string, options: URLSearchParams): Screen {
   const heading = h("h2", {}, `Run ${id.slice(0, 8)}`);
   const badge = h("span", { class: "badge" });
   const bar = h("progress", { max: 1, "aria-label": "Share of the work done" });
   const facts = h("p", { class: "facts" });
+  const moment = h("p", { class: "facts moment" });
   const why = h("p", { class: "bad", hidden: true });
   const job = h("a", { class: "button" }, "Its job");
-  const cancel = h("button", { type: "button", hidden: true }, "Cancel");
-  const picture = scene();
-  const drawn = h("img", { hidden: true, alt: "Coverage of the run over its arena" });
   const figures = h("dl", { class: "figures" });
+  const learner = h("dl", { class: "figures" });
   const files = h("ul", { class: "plain files", "aria-label": "Files of this run" });
+
+  const act = (name: string, what: string, body?: string, sure?: string): HTMLButtonElement => {
+    const button = h("button", { type: "button", hidden: true }, name);
+    button.addEventListener("click", () => {
+      if (sure && !confirm(sure)) return;
+      post<Run>(`/v1/runs/${id}/${what}`, body).then(showRun, trouble);
+    });
+    return button;
+  };
+  const pause = act("Pause", "pause");
+  const resume = act("Resume", "resume");
+  const step = act("One epoch", "step", '{"epochs":1}');
+  const cancel = act("Cancel", "cancel", undefined, "Cancel this run, in every job that has it? It stops for good.");
+
+  let robot = Math.max(0, Number(options.get("robot")) || 0);
+  const picture = scene((chosen) => chooseRobot(chosen));
+  const body = senses();
+  const table = tableView();
+  const curve = curveChart();
+  const layer = h("select", { id: "layer" }, ...Object.entries(LAYERS).map(([value, text]) => h("option", { value }, text)));
+  const chosenLayer = options.get("layer");
+  if (chosenLayer && chosenLayer in LAYERS) layer.value = chosenLayer;
+  picture.layer(layer.value as Layer);
+  layer.addEventListener("change", () => {
+    choose("layer", layer.value === "visits" ? null : layer.value);
+    picture.layer(layer.value as Layer);
+  });
+  const on = new Set((options.get("show") ?? "robots trails").split(" "));
+  const over = (what: Over, text: string): HTMLElement => {
+    const box = h("input", { type: "checkbox", checked: on.has(what) });
+    picture.over(what, on.has(what));
+    box.addEventListener("change", () => {
+      if (box.checked) on.add(what);
+      else on.delete(what);
+      choose("show", [...on].join(" "));
+      picture.over(what, box.checked);
+    });
+    return h("label", {}, box, ` ${text}`);
+  };
+  const radio = over("radio", "radio range");
+  const number = h("input", { id: "robot", type: "number", min: 0, value: robot });
+  number.addEventListener("change", () => chooseRobot(Number(number.value)));
+  const tools = h(
+    "div",
+    { class: "tools" },
+    h("label", { for: "layer" }, "Map"), layer,
+    over("robots", "robots"), over("rays", "rays"), over("trails", "trails"), radio,
+  );
+  const chooser = h("p", { class: "tools" }, h("label", { for: "robot" }, "Robot"), number);
   const element = h(
     "article",
-    { class: "screen panel" },
-    h("div", { class: "head" }, heading, badge, h("span", { class: "actions" }, cancel, job)),
+    { class: "screen panel run" },
+    h("div", { class: "head" }, heading, badge, h("span", { class: "actions" }, pause, resume, step, cancel, job)),
     bar, facts, why,
-    h("div", { class: "two" }, h("div", {}, picture.element, drawn), figures),
+    h("div", { class: "two" },
+      h("div", { class: "left" }, tools, picture.element, moment, curve.element),
+      h("div", { class: "right" }, h("h3", {}, "This run"), figures, h("h3", {}, "One robot"), chooser, learner, body.element, table.element)),
+    h("h3", {}, "Files"),
     files,
   );
-  cancel.addEventListener("click", () => {
-    if (confirm("Cancel this run, in every job that has it? It stops for good.")) {
-      post(`/v1/runs/${id}/cancel`).then(() => watching.now(), trouble);
+
+  let run: Run | null = null;
+  let spec: RunSpec | null = null;
+  let arenas: { target: Arena | null; training: Arena | null } | null = null;
+  let frame: Frame | null = null;
+  let running = false;
+  let rate = { at: 0, step: 0, pictures: 0 };
+  let isStale = true;
+
+  const chooseRobot = (next: number): void => {
+    const most = (frame?.robots ?? spec?.robots ?? 1) - 1;
+    robot = Math.min(Math.max(0, Math.floor(next) || 0), most);
+    number.value = String(robot);
+    choose("robot", robot === 0 ? null : String(robot));
+    picture.choose(robot);
+    if (frame) showRobot(frame);
+    asking.now();
+  };
+  picture.choose(robot);
+
+  const showRobot = (f: Frame): void => {
+    body.draw(f, robot);
+    table.at(f.choice(robot));
+  };
+  const showArena = (): void => {
+    if (!spec || !arenas) return;
+    const where = frame?.isTraining ? arenas.training : arenas.target;
+    const range = spec.sharing?.mode === "radio" ? (spec.sharing.range_m ?? null) : null;
+    show(radio, range !== null);
+    if (where) picture.arena(where, spec.robot?.body_radius_m ?? 0.037, range);
+    show(picture.element, where !== null);
+  };
+  const showMoment = (f: Frame): void => {
+    const now = performance.now();
+    rate.pictures += 1;
+    if (now - rate.at < 500) return;
+    const seconds = (now - rate.at) / 1000;
+    const [fps, steps] = [rate.pictures / seconds, (f.step - rate.step) / Math.max(rate.pictures, 1)];
+    const first = rate.at === 0;
+    rate = { at: now, step: f.step, pictures: 0 };
+    write(moment, sentence(
+      `step ${whole(f.step)}`, `${whole(f.time_s)} s simulated`, f.isTraining && "in the training arena",
+      !first && `${fps.toFixed(0)} pictures/s, ${steps < 2 ? "every step" : `one in ${whole(Math.round(steps))} steps`}`,
+    ));
+  };
+  const showProgress = (progress: Progress | null): void => {
+    bar.value = progress?.fraction ?? (run?.state === "done" ? 1 : 0);
+    write(
+      facts,
+      sentence(
+        progress && run?.state !== "done" && `${progress.phase}, epoch ${whole(progress.epochs_done)} of ${whole(progress.epochs_total)}`,
+        progress && percent(progress.fraction),
+        progress && pace(progress),
+        spec && `${whole(spec.robots)} ${spec.robots === 1 ? "robot" : "robots"}, ${spec.engine}`,
+      ),
+    );
+  };
+  function showRun(next: Run): void {
+    run = next;
+    const title = sentence(next.label || next.method, next.arena, `seed ${next.seed}`);
+    write(heading, title);
+    document.title = `${title} – evswarm`;
+    write(badge, next.state);
+    badge.dataset["state"] = next.state;
+    job.href = link("job", next.job_id);
+    running = next.state === "running";
+    show(pause, ["queued", "running"].includes(next.state));
+    show(resume, next.state === "paused");
+    show(step, next.state === "paused");
+    show(cancel, !ENDED.includes(next.state));
+    show(why, next.error != null);
+    write(why, next.error ?? "");
+    showProgress(next.progress ?? null);
+    isStale = true;
+  }
+
+  const hearing = events(`/v1/runs/${id}/events`, (name, data) => {
+    calm();
+    if (name === "run") showRun(data as Run);
+    else if (name === "progress") {
+      showProgress(data as Progress);
+      isStale = true;
+    } else if (name === "state") {
+      read<Run>(`/v1/runs/${id}`).then(showRun, trouble);
     }
   });
-
-  let spec: Spec | null = null;
-  let walls: Walls | null = null;
-  let seen = "";
-  const watching = watch(
-    EVERY_MS,
+  const seeing = watchFrames(id, {
+    frame: (next) => {
+      frame = next;
+      showArena();
+      picture.frame(next);
+      showRobot(next);
+      showMoment(next);
+    },
+    squares: (squares) => picture.squares(squares),
+    waiting: () => write(moment, run?.state === "paused" ? "Paused: this is where the robots stand." : "Waits for a worker."),
+    isOver: () => run !== null && ENDED.includes(run.state),
+  });
+  // What a robot has learnt is asked for while it changes, and of a method that learns.
+  const asking = watch(
+    LEARNT_EVERY_MS,
     async (signal) => {
-      const run = await read<Run>(`/v1/runs/${id}`, signal);
-      calm();
-      spec ??= await read<Spec>(`/v1/runs/${id}/spec`, signal);
-      write(heading, sentence(run.label || run.method, run.arena, `seed ${run.seed}`));
-      write(badge, run.state);
-      badge.dataset["state"] = run.state;
-      bar.value = run.progress?.fraction ?? (run.state === "done" ? 1 : 0);
-      job.href = link("job", run.job_id);
-      show(cancel, ["queued", "running", "paused"].includes(run.state));
-      write(
-        facts,
-        sentence(
-          run.progress && run.state !== "done" && `${run.progress.phase}, epoch ${whole(run.progress.epochs_done)} of ${whole(run.progress.epochs_total)}`,
-          run.progress && percent(run.progress.fraction),
-          run.progress && pace(run.progress),
-          `${whole(spec.robots)} ${spec.robots === 1 ? "robot" : "robots"}, ${spec.engine}`,
-        ),
-      );
-      show(why, run.error !== null);
-      write(why, run.error ?? "");
-      const now = `${run.state} ${run.progress?.robot_steps_done ?? 0}`;
-      if (now === seen || ["failed", "cancelled"].includes(run.state)) return;
-      seen = now;
-      const coverage = await read<Coverage & { reachable: number; fractions: Record<string, number> }>(
-        `/v1/runs/${id}/coverage`, signal,
-      );
-      walls ??= await wallsOf(spec, signal);
-      const sides = coverage.squares as unknown as number | [number, number];
-      const [columns, rows] = typeof sides === "number" ? [sides, sides] : sides;
-      if (walls) {
-        picture.draw(walls, { columns, rows, counts: coverage.visits });
-      } else {
-        show(picture.element, false);
-        drawn.src = `/v1/runs/${id}/coverage.svg?at=${encodeURIComponent(now)}`;
-        show(drawn, true);
+      const learns = frame?.learns ?? (run?.state === "paused" && spec !== null && !["brownian", "levy"].includes(spec.controller.method));
+      if (!learns || !run || ENDED.includes(run.state)) return;
+      const learnt = await read<Learnt>(`/v1/runs/${id}/learnt?robot=${robot}`, signal);
+      if (learnt.robot !== robot) return;
+      table.draw(learnt);
+      list(learner, learnerRows(learnt));
+    },
+    (error) => {
+      // It may end between two looks.
+      if (running) trouble(error);
+    },
+  );
+  // What the run covered: again when it has gone on.
+  const finding = watch(
+    FINDINGS_EVERY_MS,
+    async (signal) => {
+      if (!spec) {
+        spec = await read<RunSpec>(`/v1/runs/${id}/spec`, signal);
+        number.max = String(spec.robots - 1);
+        show(chooser, spec.robots > 1);
+        arenas = await arenasOf(spec, signal);
+        if (run) showProgress(run.progress ?? null);
+        showArena();
       }
+      if (!run || !isStale || ["failed", "cancelled"].includes(run.state)) return;
+      isStale = false;
+      const [coverage, rows] = await Promise.all([
+        read<Coverage>(`/v1/runs/${id}/coverage`, signal),
+        read<CurveRow[] | { rows: CurveRow[] }>(`/v1/runs/${id}/curve?points=500`, signal),
+      ]);
       list(figures, rowsOf(run, spec, coverage));
+      curve.draw(Array.isArray(rows) ? rows : rows.rows);
       const listed = await fileTable();
       keyed(
         files,
-        listed.filter((file) => !file.needs_objects && (!file.needs_result || run.result !== null)),
+        listed.filter((file) => !file.needs_objects && (!file.needs_result || run?.result != null)),
         (file) => file.route,
         (file) => h("li", {}, h("a", { href: `/v1/runs/${id}/${file.route}` }, file.route)),
         () => undefined,
@@ -106,7 +240,27 @@ export function runScreen(id: string, _options: URLSearchParams): Screen {
     },
     trouble,
   );
-  return { element, title: `Run ${id.slice(0, 8)}`, stop: () => { watching.stop(); picture.stop(); } };
+  const key = (event: KeyboardEvent): void => {
+    if ((event.target as HTMLElement | null)?.matches("input, select, textarea, button, canvas, a")) return;
+    if (event.key === " " && run) {
+      const button = [pause, resume].find((one) => !one.hidden);
+      if (button) {
+        event.preventDefault();
+        button.click();
+      }
+    } else if (event.key === "ArrowRight" && !step.hidden) step.click();
+  };
+  addEventListener("keydown", key);
+  // For tests of how fluid it is.
+  (element as HTMLElement & { drawn?: unknown }).drawn = picture.drawn;
+  return {
+    element,
+    title: `Run ${id.slice(0, 8)}`,
+    stop: () => {
+      for (const stopping of [hearing, seeing, asking, finding, picture, curve]) stopping.stop();
+      removeEventListener("keydown", key);
+    },
+  };
 }
 
 async function fileTable(): Promise<RunFile[]> {
@@ -114,33 +268,47 @@ async function fileTable(): Promise<RunFile[]> {
   return ((await import(/* @vite-ignore */ script)) as { FILES: RunFile[] }).FILES;
 }
 
-/** The walls of a run's arena, where they are written out or the arena has a name. */
-async function wallsOf(spec: Spec, signal: AbortSignal): Promise<Walls | null> {
-  const arena = typeof spec.arena === "string"
-    ? await read<Arena>(`/v1/arenas/${encodeURIComponent(spec.arena)}`, signal)
-    : spec.arena;
-  const { width_m, height_m, walls_m, starts } = arena;
-  if (!width_m || !height_m || !walls_m) return null;
-  return { width_m, height_m, walls_m, starts: starts ?? [] };
+/** The arenas of a run: written out in its spec, or by their names. */
+async function arenasOf(spec: RunSpec, signal: AbortSignal): Promise<{ target: Arena | null; training: Arena | null }> {
+  const target = await arenaOf(spec.arena, signal);
+  const train = spec.controller.train?.arena;
+  return { target, training: train === undefined ? target : await arenaOf(train, signal) };
 }
 
-function rowsOf(
-  run: Run,
-  spec: Spec,
-  coverage: Record<string, unknown> & { reachable: number; fractions: Record<string, number> },
-): [string, string][] {
-  const rows: [string, string][] = ["p1", "p2", "p5", "p10"].map((name) => [
+/** The walls of an arena that is not made of another. */
+async function arenaOf(arena: RunSpec["arena"], signal: AbortSignal): Promise<Arena | null> {
+  const found = typeof arena === "string"
+    ? await read<Arena>(`/v1/arenas/${encodeURIComponent(arena)}`, signal)
+    : arena;
+  if (!found.width_m || !found.height_m || !found.walls_m) return null;
+  return { ...found, starts: found.starts ?? [] } as Arena;
+}
+
+function rowsOf(run: Run, spec: RunSpec, coverage: Coverage): [string, string][] {
+  const rows: [string, string][] = (["p1", "p2", "p5", "p10"] as const).map((name) => [
     name,
-    `${whole(Number(coverage[name]))} of ${whole(coverage.reachable)} squares, ${percent(coverage.fractions[name] ?? 0)}`,
+    `${whole(coverage[name])} of ${whole(coverage.reachable)} squares, ${percent(coverage.fractions[name])}`,
   ]);
   if (run.result) {
     const { metrics, memory } = run.result;
-    for (const [name, value] of Object.entries(metrics)) if (value !== null) rows.push([name, figure(value)]);
-    rows.push([
-      "memory of a learner",
-      `${bytes(memory.most_bytes)} of ${spec.memory_budget_bytes === null ? `at most ${bytes(memory.plan.bytes)}` : bytes(spec.memory_budget_bytes)}`,
-    ]);
+    for (const [name, value] of Object.entries(metrics ?? {})) {
+      if (typeof value === "number") rows.push([name, figure(value)]);
+    }
+    const most = spec.memory_budget_bytes === null ? `at most ${bytes(memory.plan.bytes)}` : bytes(spec.memory_budget_bytes);
+    rows.push(["memory of a learner", `${bytes(memory.most_bytes)} of ${most}`]);
   }
+  return rows;
+}
+
+function learnerRows(learnt: Learnt): [string, string][] {
+  const rows: [string, string][] = [
+    [learnt.table ? "states, actions" : "clusters of sensors, commands", `${whole(learnt.sensor_clusters)}, ${whole(learnt.actuator_clusters)}`],
+  ];
+  if (learnt.sensori_motor_clusters != null) rows.push(["sensori-motor clusters", whole(learnt.sensori_motor_clusters)]);
+  if (learnt.fitness != null) rows.push(["fitness of the parent", figure(learnt.fitness)]);
+  rows.push(["memory", `${bytes(learnt.bytes)} of ${learnt.budget_bytes != null ? `${bytes(learnt.budget_bytes)} (budget)` : `at most ${bytes(learnt.most_bytes)}`}`]);
+  if (learnt.clusters_saturated > 0) rows.push(["vectors without room", whole(learnt.clusters_saturated)]);
+  rows.push(["as of", learnt.is_live ? `step ${whole(learnt.arena_step)}` : `step ${whole(learnt.arena_step)}, its last checkpoint`]);
   return rows;
 }
 

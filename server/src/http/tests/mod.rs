@@ -11,6 +11,7 @@ mod jobs;
 mod objects;
 mod openapi;
 mod report;
+mod watching;
 
 use std::num::NonZeroUsize;
 use std::sync::Arc;

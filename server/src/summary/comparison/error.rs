@@ -24,13 +24,28 @@ pub enum ComparisonError {
     },
     /// More groups than can be compared.
     #[error(
-        "the job has {groups} groups, more than {MOST_GROUPS} that can be compared; pool them with \
-         by, one of {known}"
+        "the job has {groups} groups, more than {most} that can be compared; pool them with by, one \
+         of {known}"
     )]
     Groups {
         /// Its groups.
         groups: usize,
+        /// As many as may be.
+        most: usize,
         /// What it varies.
         known: String,
     },
+    /// The job has fewer groups.
+    #[error("group: the job has {groups} groups, numbered from 0; there is no {asked}")]
+    Group {
+        /// What was asked for.
+        asked: u64,
+        /// How many there are.
+        groups: u64,
+    },
+    /// The runs of a group are in arenas of different squares.
+    #[error(
+        "the group's runs count visits in different squares: they cannot be laid over each other"
+    )]
+    Squares,
 }

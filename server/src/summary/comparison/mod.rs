@@ -13,7 +13,7 @@ use api::SCHEMA;
 use api::comparison::{Better, ComparedGroup, Comparison};
 
 pub use error::{ComparisonError, MOST_GROUPS};
-pub(super) use sets::{Set, sets};
+pub use sets::{Set, sets};
 pub use table::{csv, markdown};
 
 use super::Input;
@@ -40,7 +40,7 @@ pub fn comparison(
             known: known_measures().collect::<Vec<_>>().join(", "),
         });
     }
-    let sets = sets(input, measure, by)?;
+    let sets = sets(input, measure, by, MOST_GROUPS)?;
     let better = better(measure);
     let taus = taus(&sets);
     let groups: Vec<ComparedGroup> = sets

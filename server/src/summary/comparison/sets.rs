@@ -4,14 +4,16 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::Value;
 
-use super::{ComparisonError, MOST_GROUPS};
+use super::ComparisonError;
 use crate::documents::Design;
 use crate::summary::groups::measure;
 use crate::summary::{Input, axis_of, combinations, values};
 
 /// A group.
 pub struct Set {
+    /// What its runs have in common, in words.
     pub label: String,
+    /// The same by dotted path.
     pub values: BTreeMap<String, Value>,
     /// By stratum (what else the job varies, as text) and seed; `None` for a run without the measure.
     pub runs: BTreeMap<(String, u64), Option<f64>>,
@@ -30,8 +32,13 @@ impl Set {
     }
 }
 
-/// The groups of a job, in the order of its runs.
-pub fn sets(input: &Input, name: &str, by: Option<&str>) -> Result<Vec<Set>, ComparisonError> {
+/// The groups of a job, in the order of its runs; at most so many.
+pub fn sets(
+    input: &Input,
+    name: &str,
+    by: Option<&str>,
+    most: usize,
+) -> Result<Vec<Set>, ComparisonError> {
     let known = varied(input);
     if let Some(asked) = by.filter(|by| !known.contains(*by)) {
         return Err(ComparisonError::By {
@@ -44,9 +51,10 @@ pub fn sets(input: &Input, name: &str, by: Option<&str>) -> Result<Vec<Set>, Com
     for (design, &robots) in input.designs.iter().zip(&input.robots) {
         let combinations = combinations(input, design, robots, place);
         place += (combinations.len() * design.seeds) as u64;
-        if by.is_none() && sets.len() + combinations.len() > MOST_GROUPS {
+        if by.is_none() && sets.len() + combinations.len() > most {
             return Err(ComparisonError::Groups {
                 groups: input.designs.iter().map(Design::combinations).sum(),
+                most,
                 known: listed(&known),
             });
         }
@@ -74,9 +82,10 @@ pub fn sets(input: &Input, name: &str, by: Option<&str>) -> Result<Vec<Set>, Com
                 });
                 sets.len() - 1
             });
-            if sets.len() > MOST_GROUPS {
+            if sets.len() > most {
                 return Err(ComparisonError::Groups {
                     groups: sets.len(),
+                    most,
                     known: listed(&known),
                 });
             }

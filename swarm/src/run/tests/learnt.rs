@@ -12,7 +12,7 @@ fn looking_at_a_learner_changes_nothing() {
         let learnt = seen.learnt(0).unwrap();
         let has_table = !matches!(phase, Phase::Evolution);
         assert_eq!((learnt.phase, learnt.table.is_some()), (phase, has_table));
-        assert_eq!(seen.choice(0), learnt.choice);
+        assert!(seen.learns() && seen.choice(0) == learnt.choice);
         if let (Some((codebook, table)), Some((state, action))) = (learnt.table, learnt.choice) {
             assert_eq!(learnt.clusters, (table.states(), table.actions()));
             assert!(state < codebook.states.len() && action < codebook.actions.len());
@@ -45,5 +45,5 @@ fn robots_with_a_common_table_and_those_without_one() {
         assert!(learnt.table.is_some() && learnt.choice == run.choice(robot));
     }
     let run = run_of(spec(Method::Brownian));
-    assert!(run.learnt(0).is_none() && run.choice(0).is_none());
+    assert!(run.learnt(0).is_none() && run.choice(0).is_none() && !run.learns());
 }

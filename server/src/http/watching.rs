@@ -1,0 +1,212 @@
+//! `/v1/runs/{id}/frames` and `/learnt`: a run looked at while it is stepped.
+
+use std::time::Duration;
+
+use api::ProblemCode::{FindingsNotKept, NothingLearnt, TooManyListeners};
+use api::learnt::Learnt;
+use axum::Json;
+use axum::body::Body;
+use axum::extract::State;
+use axum::http::header::CONTENT_TYPE;
+use axum::response::{IntoResponse, Response};
+use bytes::Bytes;
+use futures_util::stream::{self, Stream, StreamExt};
+use tokio::sync::OwnedSemaphorePermit;
+
+use super::App;
+use super::extract::FoundRun;
+use super::operation::Operation;
+use super::query::{Parameter, Query};
+use super::refusal::Refusal;
+use super::routes::Routes;
+use crate::documents::MAX_ROBOTS;
+use crate::store::{RunKey, RunView};
+use crate::watching::{Viewer, hello, waiting};
+
+/// Most streams of frames at once.
+pub const MAX_VIEWERS: usize = 64;
+/// Most checkpoints that are opened at once for what was learnt.
+pub const MAX_OPENED: usize = 1;
+/// Time between two looks whether somebody steps the run.
+const LOOK_EVERY: Duration = Duration::from_millis(250);
+/// Time between two signs of life of a silent stream.
+const KEEP_ALIVE: Duration = Duration::from_secs(10);
+/// Longest time of a stream; whoever looks on asks again.
+const LIFE: Duration = Duration::from_secs(60 * 60);
+/// Longest time in which a run's thread answers, between two blocks of steps.
+const ANSWER: Duration = Duration::from_secs(10);
+
+const ROBOT: Parameter = Parameter::whole(
+    "robot",
+    (0, MAX_ROBOTS as i64 - 1),
+    "Number of the robot, from 0.",
+)
+.or(0);
+
+pub fn routes() -> Routes {
+    Routes::new()
+        .get(
+            "/runs/{id}/frames",
+            frames,
+            Operation::new("watchRun", "Where the robots of a run are, again and again")
+                .details(
+                    "A stream of binary messages, at most some 33 pictures a second, of any run; \
+                     a slow reader misses pictures. `docs/live-frames.md` has the layout. It ends \
+                     when the run does.",
+                )
+                .answers(
+                    200,
+                    "A stream of at most an hour.",
+                    "application/octet-stream",
+                    None,
+                )
+                .streamed()
+                .refuses(&[TooManyListeners]),
+        )
+        .get(
+            "/runs/{id}/learnt",
+            learnt,
+            Operation::new("getLearnt", "What a robot of an unfinished run has learnt")
+                .details(
+                    "At this moment where the run is being stepped, else as its last checkpoint \
+                     has it. The last state of a run that is done is not kept.",
+                )
+                .query(&[ROBOT])
+                .shows::<Learnt>("The robot's learner.")
+                .refuses(&[NothingLearnt, FindingsNotKept]),
+        )
+}
+
+/// `GET /v1/runs/{id}/frames`.
+async fn frames(State(app): State<App>, FoundRun(run): FoundRun) -> Result<Response, Refusal> {
+    let place = app.viewers.clone().try_acquire_owned().map_err(|_| {
+        let detail = format!("{MAX_VIEWERS} streams of frames are open already");
+        Refusal::new(TooManyListeners, detail).retry_after_s(5)
+    })?;
+    let life = tokio::time::sleep(LIFE);
+    let messages = messages(app, run.seq, place).take_until(Box::pin(life));
+    let body = Body::from_stream(messages.map(Ok::<Bytes, std::convert::Infallible>));
+    Ok(([(CONTENT_TYPE, "application/octet-stream")], body).into_response())
+}
+
+/// One stream.
+struct Watching {
+    app: App,
+    run: RunKey,
+    viewer: Option<Viewer>,
+    has_begun: bool,
+    /// Whether the reader was told that nobody steps the run.
+    said_waiting: bool,
+    _place: OwnedSemaphorePermit,
+}
+
+fn messages(
+    app: App,
+    run: RunKey,
+    place: OwnedSemaphorePermit,
+) -> impl Stream<Item = Bytes> + Send {
+    let watching = Watching {
+        app,
+        run,
+        viewer: None,
+        has_begun: false,
+        said_waiting: false,
+        _place: place,
+    };
+    stream::unfold(watching, async |mut watching| {
+        let message = watching.next().await?;
+        Some((message, watching))
+    })
+}
+
+impl Watching {
+    /// The next message; `None` when there will be none.
+    async fn next(&mut self) -> Option<Bytes> {
+        if !std::mem::replace(&mut self.has_begun, true) {
+            return Some(hello());
+        }
+        let silent = tokio::time::sleep(KEEP_ALIVE);
+        tokio::pin!(silent);
+        loop {
+            let Some(viewer) = &mut self.viewer else {
+                if self.app.scheduler.is_stopping() {
+                    return None;
+                }
+                self.viewer = self.app.scheduler.look(self.run);
+                if self.viewer.is_some() {
+                    self.said_waiting = false;
+                    continue;
+                }
+                if !self.is_awaited().await {
+                    return None;
+                }
+                if !std::mem::replace(&mut self.said_waiting, true) {
+                    return Some(waiting());
+                }
+                tokio::select! {
+                    () = tokio::time::sleep(LOOK_EVERY) => continue,
+                    () = &mut silent => return Some(hello()),
+                }
+            };
+            let Viewer { frames, squares } = viewer;
+            let shown = tokio::select! {
+                shown = squares.changed() => shown.map(|()| squares.borrow_and_update().clone()),
+                shown = frames.changed() => shown.map(|()| frames.borrow_and_update().clone()),
+                () = &mut silent => return Some(hello()),
+            };
+            match shown {
+                Ok(message) => return Some(message),
+                // The worker has let the run go.
+                Err(_) => self.viewer = None,
+            }
+        }
+    }
+
+    /// Whether the run may be stepped again.
+    async fn is_awaited(&self) -> bool {
+        let run = self.run;
+        let found = self.app.blocking(move |app| Ok(app.store.run_by_key(run)?));
+        let state = found.await.ok().flatten().map(|run| run.state.state());
+        state.is_some_and(|state| !state.is_final())
+    }
+}
+
+/// `GET /v1/runs/{id}/learnt`.
+async fn learnt(
+    State(app): State<App>,
+    FoundRun(run): FoundRun,
+    query: Query,
+) -> Result<Json<Learnt>, Refusal> {
+    // The parameter has a default and a range that fits.
+    let robot = query
+        .number(&ROBOT)?
+        .and_then(|robot| robot.try_into().ok());
+    let robot: u32 = robot.unwrap_or(0);
+    let learnt = match app.scheduler.ask(run.seq, robot) {
+        Some(answer) => match tokio::time::timeout(ANSWER, answer).await {
+            Ok(Ok(learnt)) => learnt.map(|learnt| *learnt),
+            _ => opened(app, run.clone(), robot).await?,
+        },
+        None => opened(app, run.clone(), robot).await?,
+    };
+    learnt.map(Json).ok_or_else(|| {
+        let detail = format!(
+            "robot {robot} of this run has learnt nothing: its method ({}) learns nothing, or there \
+             is no such robot",
+            run.method
+        );
+        Refusal::new(NothingLearnt, detail)
+    })
+}
+
+/// What the last checkpoint has. It is opened one at a time, as it may be large.
+async fn opened(app: App, run: RunView, robot: u32) -> Result<Option<Learnt>, Refusal> {
+    let place = app.opened.clone().acquire_owned().await;
+    let place = place.map_err(|error| Refusal::internal(&error))?;
+    app.blocking(move |app| {
+        let learnt = app.findings.learnt(&run, robot)?;
+        drop(place);
+        Ok(learnt)
+    })
+    .await
+}

@@ -1,0 +1,12 @@
+//! What pages see of a run while a worker steps it: pictures of where robots are, and what a robot
+//! has learnt. Nothing is copied while nobody looks, and no result depends on who does.
+
+mod frame;
+mod learnt;
+mod observer;
+mod window;
+
+pub use frame::{hello, waiting};
+pub use learnt::shown;
+pub use observer::Watched;
+pub use window::{Answer, Viewer, Window};
