@@ -1,7 +1,8 @@
 // A real server and a real browser for the tests: both on this machine alone, ended with them.
 
+import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
-import { existsSync, mkdtempSync, rmSync } from "node:fs";
+import { existsSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
 import { createInterface } from "node:readline";
@@ -52,6 +53,16 @@ export async function startServer({ token, data = mkdtempSync(join(tmpdir(), "da
       return answer.json();
     },
     read: async (path) => (await fetch(url + path)).json(),
+    /** Waits until a job has ended; returns its state. */
+    ended: async (job) => {
+      for (;;) {
+        const { state } = await (await fetch(`${url}/v1/jobs/${job.id}`)).json();
+        if (["done", "failed", "cancelled"].includes(state)) return state;
+        await new Promise((resolve) => setTimeout(resolve, 100));
+      }
+    },
+    /** The first run of a job. */
+    firstRun: async (job) => (await (await fetch(`${url}/v1/jobs/${job.id}/runs?limit=1`)).json()).items[0],
   };
 }
 
@@ -83,6 +94,8 @@ export async function openPage(browser, server, { expected = [], ...options } = 
     const url = request.url();
     if (!url.startsWith(server.url) && !/^(data|blob):/.test(url)) wrong.push(`leaves: ${url}`);
   });
+  // The built files instead of those inside the binary, to work on the page without building it.
+  if (process.env.FRESH) await fresh(page, server);
   return { page, wrong };
 }
 
@@ -98,4 +111,23 @@ export async function barriers(page) {
 /** Screenshots go to this folder when it is named. */
 export async function picture(page, name) {
   if (process.env.PICTURES) await page.screenshot({ path: join(process.env.PICTURES, `${name}.png`) });
+}
+
+/** That a screen has no barrier and nothing that stands out of the window. */
+export async function assertWell(page, name) {
+  assert.deepEqual(await barriers(page), [], name);
+  const { scroll, width } = await page.evaluate(() => ({
+    scroll: document.documentElement.scrollWidth,
+    width: document.documentElement.clientWidth,
+  }));
+  assert.ok(scroll <= width, `${name} is ${scroll} wide on ${width}`);
+}
+
+async function fresh(page, server) {
+  for (const [path, file] of [["/", "index.html"], ["/dashboard.js", "dashboard.js"], ["/dashboard.css", "dashboard.css"]]) {
+    await page.route(server.url + path, async (route) => {
+      const body = readFileSync(join(repository, "server/dashboard/dist", file), "utf8");
+      await route.fulfill({ response: await route.fetch(), body });
+    });
+  }
 }

@@ -55,6 +55,23 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/docs": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** This document for people */
+        get: operations["getDocs"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/files.js": {
         parameters: {
             query?: never;
@@ -197,6 +214,57 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/schemas/arena.json": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** JSON Schema (2020-12): An arena of evswarm */
+        get: operations["getArenaSchema"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/schemas/job.json": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** JSON Schema (2020-12): A job of evswarm */
+        get: operations["getJobSchema"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/schemas/run.json": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** JSON Schema (2020-12): A run spec of evswarm */
+        get: operations["getRunSchema"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/arenas": {
         parameters: {
             query?: never;
@@ -212,6 +280,26 @@ export interface paths {
          * @description Generated walls are written out. The very same arena again is no error.
          */
         post: operations["createArena"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/arenas/generate": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * An arena with its walls written out, not stored
+         * @description Of `generate` and a seed: to look at, to change, to upload.
+         */
+        post: operations["generateArena"];
         delete?: never;
         options?: never;
         head?: never;
@@ -250,46 +338,6 @@ export interface paths {
         get: operations["getArenaSvg"];
         put?: never;
         post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/v1/checks/arena": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        /**
-         * What an arena is like, without storing it
-         * @description Reach and gates are those of the default robot, from all starts.
-         */
-        post: operations["checkArena"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/v1/checks/job": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        /**
-         * What a job would take, without storing it
-         * @description Runs, robot-steps, memory, and about how long: by what runs of the same methods and engines took here, where there are any.
-         */
-        post: operations["checkJob"];
         delete?: never;
         options?: never;
         head?: never;
@@ -418,23 +466,6 @@ export interface paths {
         };
         /** A job's groups against each other, as text */
         get: operations["compareJobMd"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/v1/jobs/{id}/coverage": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /** Where the runs of a group went, pooled */
-        get: operations["getJobCoverage"];
         put?: never;
         post?: never;
         delete?: never;
@@ -899,6 +930,34 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/runs/{id}/checkpoint": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * The newest state of a run that is kept
+         * @description Of one that is done, its last state, while there is room for that.
+         */
+        get: operations["getRunCheckpoint"];
+        /**
+         * A job of one run that goes on from a state of this run made elsewhere
+         * @description The new run's id is made of the spec and of the digest of the state.
+         */
+        put: operations["putRunCheckpoint"];
+        /**
+         * Take a checkpoint of a run now
+         * @description Of a run that is not being stepped, what is kept is told.
+         */
+        post: operations["takeRunCheckpoint"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/runs/{id}/coverage": {
         parameters: {
             query?: never;
@@ -1099,40 +1158,20 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/v1/runs/{id}/frames": {
+    "/v1/runs/{id}/fork": {
         parameters: {
             query?: never;
             header?: never;
             path?: never;
             cookie?: never;
         };
-        /**
-         * Where the robots of a run are, again and again
-         * @description A stream of binary messages, at most some 33 pictures a second, of any run; a slow reader misses pictures. `docs/live-frames.md` has the layout. It ends when the run does.
-         */
-        get: operations["watchRun"];
+        get?: never;
         put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/v1/runs/{id}/learnt": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
         /**
-         * What a robot of an unfinished run has learnt
-         * @description At this moment where the run is being stepped, else as its last checkpoint has it. The last state of a run that is done is not kept.
+         * A job of one run that goes on from this one's newest state, with changes
+         * @description What may change is told where something else is asked for. The new run's id is made of its spec and of the digest of the state.
          */
-        get: operations["getLearnt"];
-        put?: never;
-        post?: never;
+        post: operations["forkRun"];
         delete?: never;
         options?: never;
         head?: never;
@@ -1436,18 +1475,30 @@ export interface paths {
 export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
-        Arena: Record<string, never>;
-        /** @description A valid arena: what robots of the default preset can reach in it. */
-        ArenaCheck: {
-            /** @description Its figures. */
-            arena: components["schemas"]["ArenaListing"];
-            /** @description Gates about as wide as the robot, from the narrowest; at most 100. */
-            gates: components["schemas"]["GateCheck"][];
-            /** @description A text for each row of squares, the lowest y first, with a letter for each square: `1` within reach of one of the starts, `0` not. */
-            reachable_rows: string[];
-            /** @description Inner walls, generated ones too: x1, y1, x2, y2, metres; at most 10,000. */
-            walls_m: number[][];
-        };
+        /** @description An arena. The origin is the lower left corner, y points up; outer walls are implied. It has `walls_m` and `starts`, or says by `generate` how they are made. */
+        Arena: {
+            /** @description Where an editor finds the JSON Schema of this document; not read. */
+            $schema?: string;
+            /** @description How to make the walls, in place of walls_m. */
+            generate?: components["schemas"]["Generate"] | null;
+            /** @description Extent along y, metres. */
+            height_m: number;
+            /** @description 1 to 64 characters of a-z 0-9 . _ -, the first a letter or a digit. */
+            name?: string | null;
+            /** @description Boxes and discs that robots can push; engine rapier alone. */
+            objects?: components["schemas"]["Movable"][];
+            /**
+             * @description Squares that visits are counted in, along each side, or [columns, rows].
+             * @default 100
+             */
+            squares: number | number[] | null;
+            /** @description Start poses, the first for the first robot. */
+            starts?: components["schemas"]["Pose"][] | null;
+            /** @description Inner walls without thickness: x1, y1, x2, y2 in metres. */
+            walls_m?: number[][] | null;
+            /** @description Extent along x, metres. */
+            width_m: number;
+        } | unknown | unknown;
         /** @description `GET /v1/arenas`. */
         ArenaList: {
             /** @description Those that ship with the program, then uploaded ones by name. */
@@ -1478,6 +1529,8 @@ export interface components {
              */
             width_m: number;
         };
+        /** @description The name of an arena, built in or uploaded, or an arena in place. */
+        ArenaRef: ("easy" | "graph" | "maze" | "hard-maze") | string | components["schemas"]["TiledArena"] | components["schemas"]["Arena"];
         /** @description What of a measure is better. */
         Better: "higher" | "lower";
         /** @description A channel of a run, as `GET /v1/runs/{id}/channels` describes it. */
@@ -1510,6 +1563,17 @@ export interface components {
             transport: string;
             /** @description `FRAMES_VERSION`. */
             version: number;
+        };
+        /** @description `POST /v1/runs/{id}/checkpoint`: what is kept of a run to go on from. */
+        CheckpointInfo: {
+            /** @description Bytes of the state. */
+            bytes: number;
+            /** @description SHA-256 of its state, in hex. */
+            checkpoint_sha256: string;
+            /** @description Counted epochs that are complete. */
+            epochs_done: number;
+            /** @description Id of the run. */
+            run: string;
         };
         /** @description One claim and what came of it. */
         Claim: {
@@ -1673,6 +1737,177 @@ export interface components {
             /** @description Which is best, or that it cannot be said yet, in one sentence. */
             verdict: string;
         };
+        /** @description A method with its parameters beside it. */
+        Controller: {
+            /**
+             * @description Steps that a phase-3 action is held, steps (calibration)
+             * @default 1
+             */
+            action_hold_steps: number;
+            /**
+             * @description Actuator vectors kept for each actuator cluster, vectors (bounded memory)
+             * @default 64
+             */
+            actuator_sample: number;
+            /**
+             * @description Weight of leaving the state against transition entropy (eq. 4.9)
+             * @default 0.7
+             */
+            alpha: number;
+            /**
+             * @description Epochs of random commands before `im` clusters (not counted as visits), epochs (calibration)
+             * @default 5
+             */
+            babbling_epochs: number;
+            /**
+             * @description Radius of actuator clusters (table 5.2)
+             * @default 0.6
+             */
+            epsilon_actuator: number;
+            /**
+             * @description Radius of sensor clusters (the thesis: 1) (table 5.2, calibrated)
+             * @default 1.5
+             */
+            epsilon_sensor: number;
+            /**
+             * @description Radius of sensori-motor clusters (table 5.2)
+             * @default 1.8
+             */
+            epsilon_sensori_motor: number;
+            /**
+             * @description Probability of a uniformly random action (table 5.2)
+             * @default 0.05
+             */
+            eta: number;
+            /**
+             * @description Variance of a fresh parent's weights (section 5.2.5)
+             * @default 0.1
+             */
+            initial_weight_variance: number;
+            /**
+             * @description When a state's information is insufficient (Alg. 5 against section 4.3.3)
+             * @default every-action
+             * @enum {unknown}
+             */
+            insufficiency: "every-action" | "state-total";
+            /**
+             * @description Most Lloyd iterations a restart, iterations (bounded time)
+             * @default 100
+             */
+            kmeans_iterations: number;
+            /**
+             * @description Independent k-means; least distortion is kept, restarts (section 4.3.2 (P open))
+             * @default 5
+             */
+            kmeans_restarts: number;
+            /**
+             * @description Length of each list S(i, j), transitions (table 5.2)
+             * @default 60
+             */
+            lambda: number;
+            /**
+             * @description Threshold of the `state-total` rule, transitions (table 5.2)
+             * @default 500
+             */
+            lambda_total: number;
+            /**
+             * @description Cap of each clustering; at the cap a vector joins the nearest cluster, clusters (bounded memory)
+             * @default 250
+             */
+            max_clusters: number;
+            /**
+             * @description Longest step, m (truncated power law; more than an epoch of 2,000 steps crosses in any of the arenas)
+             * @default 10
+             */
+            max_length_m: number;
+            /**
+             * @description Name of the method, such as `ev-iter-c`.
+             * @default ev-iter-c
+             * @enum {unknown}
+             */
+            method: "brownian" | "curiosity" | "curiosity-a" | "discovery" | "discovery-a" | "im" | "ev-iter-c" | "ev-iter-d" | "ev-iter-ca" | "ev-iter-da" | "levy";
+            /**
+             * @description Shortest step, m (a body's diameter)
+             * @default 0.07
+             */
+            min_length_m: number;
+            /**
+             * @description Exponent of the density of step lengths, l^-mu (Viswanathan et al. 1999: 1 < mu <= 3, 2 is best for sparse targets)
+             * @default 2
+             */
+            mu: number;
+            /**
+             * @description Genomes of phase 1 that are replayed into the repository: all, or the fittest, genomes (chapter 5 (all) against chapter 4 (the best))
+             * @default 1000000
+             */
+            replay_genomes: number;
+            /**
+             * @description Evaluations without improvement before a fresh parent, evaluations (section 5.2.5)
+             * @default 30
+             */
+            restart_after: number;
+            /**
+             * @description Uniform sample of phase 1 that k-means runs over, vectors (bounded memory)
+             * @default 8192
+             */
+            sample: number;
+            /**
+             * @description Interval that raw sensor values are mapped to (open in the thesis)
+             * @default signed
+             * @enum {unknown}
+             */
+            sensor_scale: "signed" | "unsigned";
+            /**
+             * @description Initial mutation step of the (1+1)-ES (section 5.2.5)
+             * @default 0.2
+             */
+            sigma: number;
+            /**
+             * @description Factor of the one-fifth rule (chapter 2)
+             * @default 1.22
+             */
+            sigma_factor: number;
+            /**
+             * @description Slope of the perceptron's sigmoid (eq. 4.7)
+             * @default 2
+             */
+            slope: number;
+            /**
+             * @description Where `im` takes its clusters from (open in the thesis)
+             * @default babbling
+             * @enum {unknown}
+             */
+            states_from: "babbling" | "phase-1";
+            /**
+             * @description Window of the one-fifth rule, evaluations (open in the thesis)
+             * @default 10
+             */
+            success_window: number;
+            /**
+             * @description Which action is taken of several with the same highest score (open in the thesis)
+             * @default first
+             * @enum {unknown}
+             */
+            ties: "first" | "random" | "keep";
+            /** @description Where it trains, for the methods that do. */
+            train?: {
+                /**
+                 * @description Arena in which phase 1, or the evolution of a baseline, happens.
+                 * @default easy
+                 */
+                arena: components["schemas"]["ArenaRef"];
+                /**
+                 * @description Epochs of phase 1.
+                 * @default 200
+                 */
+                epochs: number;
+            };
+            /**
+             * @description Raw value of one of the two foremost sensors from which a step ends (4 cm from the sensor: the way that an e-puck at top speed needs to stop)
+             * @default 150
+             */
+            wall_reading: number;
+        };
         /** @description Everything that `controller` and `robot` of a run spec may hold. */
         ControllerListing: {
             /** @description Values of `controller.method`. */
@@ -1807,6 +2042,18 @@ export interface components {
             /** @description Bytes of the field. */
             size_bytes: number;
         };
+        /** @description `POST /v1/runs/{id}/fork`. */
+        Fork: {
+            /**
+             * @description What is changed: dotted paths into the run spec, and values.
+             * @default {}
+             */
+            changes: {
+                [key: string]: unknown;
+            };
+            /** @description The counted epochs that the state must have complete; any when it is not given. */
+            epoch?: number | null;
+        };
         /** @description Coverage as shares of the reachable squares: only squares among them count, so no share is above 1; all are 0 where no square is reachable. */
         Fractions: {
             /**
@@ -1830,25 +2077,105 @@ export interface components {
              */
             p5: number;
         };
-        /** @description A gate about as wide as a robot. */
-        GateCheck: {
-            /** @description Whether the robot passes. */
-            is_open: boolean;
+        /** @description Walls from a seed: the same on every machine. */
+        Generate: {
             /**
-             * Format: double
-             * @description Width, metres.
+             * @description part of the dead ends that gets a second opening
+             * @default 0
              */
-            width_m: number;
+            braid: number | null;
             /**
-             * Format: double
-             * @description Its middle, metres.
+             * @description width of a corridor, metres; rounded so that whole cells fill the arena
+             * @default 0.12
              */
-            x_m: number;
+            cell_m: number | null;
+            /** @constant */
+            kind: "maze";
             /**
-             * Format: double
-             * @description Its middle, metres.
+             * @description Every seed makes another arena.
+             * @default 1
              */
-            y_m: number;
+            seed: number;
+        } | {
+            /**
+             * @description width of a gate, metres; less than a room's side
+             * @default 0.09
+             */
+            gate_m: number | null;
+            /** @constant */
+            kind: "rooms";
+            /**
+             * @description part of the walls not needed open for reaching every room that gets a gate, too
+             * @default 0.3
+             */
+            loops: number | null;
+            /**
+             * @description side of a room, metres; rounded so that whole rooms fill the arena
+             * @default 0.2
+             */
+            room_m: number | null;
+            /**
+             * @description Every seed makes another arena.
+             * @default 1
+             */
+            seed: number;
+        } | {
+            /**
+             * @description distance between parallel corridors, metres; rounded so that whole cells fill the arena
+             * @default 0.2
+             */
+            cell_m: number | null;
+            /**
+             * @description width of a corridor, metres; less than cell_m
+             * @default 0.1
+             */
+            corridor_m: number | null;
+            /** @constant */
+            kind: "corridors";
+            /**
+             * @description part of the links not needed for reaching every crossing that is there, too
+             * @default 0.2
+             */
+            loops: number | null;
+            /**
+             * @description Every seed makes another arena.
+             * @default 1
+             */
+            seed: number;
+        } | {
+            /**
+             * @description radius without obstacles around each start, metres
+             * @default 0.06
+             */
+            clear_m: number | null;
+            /**
+             * @description obstacles a square metre
+             * @default 8
+             */
+            density_per_m2: number | null;
+            /**
+             * @description least distance between obstacles and to the boundary, metres; the free space is connected for every body whose diameter is less; 0 lets obstacles cross
+             * @default 0.1
+             */
+            gap_m: number | null;
+            /** @constant */
+            kind: "random-obstacles";
+            /**
+             * @description Every seed makes another arena.
+             * @default 1
+             */
+            seed: number;
+            /**
+             * @description Outline of an obstacle.
+             * @default wall
+             * @enum {unknown}
+             */
+            shape: "wall" | "box" | null;
+            /**
+             * @description length of a wall or side of a box, metres
+             * @default 0.1
+             */
+            wall_length_m: number | null;
         };
         /** @description The runs of one combination. */
         Group: {
@@ -1866,34 +2193,6 @@ export interface components {
             values: {
                 [key: string]: unknown;
             };
-        };
-        /** @description Where the runs of a group of a job went, over its arena. */
-        GroupCoverage: {
-            /** @description Place of the group among the job's, from 0. */
-            group: number;
-            /** @description Groups of the job. */
-            groups: number;
-            /** @description Id of the job. */
-            job_id: string;
-            /** @description What the group's runs have in common. */
-            label: string;
-            /** @description Mean entries of each square, in the same order. */
-            mean_entries: number[][];
-            /**
-             * Format: double
-             * @description Mean of the squares that a run entered.
-             */
-            mean_squares: number;
-            /** @description Finished runs that are pooled. */
-            n: number;
-            /** @description Runs that entered each square, row by row, the lowest y first. */
-            runs: number[][];
-            /** @description Version of this document. */
-            schema: number;
-            /** @description Columns and rows of squares. */
-            squares: number[];
-            /** @description Squares that some run of the group entered. */
-            union_squares: number;
         };
         /** @description The curves of a group; lists have an entry for each abscissa. */
         GroupCurves: {
@@ -1977,30 +2276,6 @@ export interface components {
             /** @description Where it is in its life. */
             state: components["schemas"]["State"];
         };
-        /** @description A valid job: what it would take. */
-        JobCheck: {
-            /** @description Combinations of what varies, each with its seeds. */
-            combinations: number;
-            /** @description Whether that is by runs of the same methods and engines that this server has done; else some cost was assumed. */
-            is_measured: boolean;
-            /** @description Most bytes that a robot's learner may hold at any moment. */
-            learner_bytes: number;
-            /** @description Robot-steps of all runs. */
-            robot_steps: number;
-            /** @description Most robots of a run. */
-            robots: number;
-            /** @description About how many bytes the largest run holds. */
-            run_bytes: number;
-            /** @description Runs. */
-            runs: number;
-            /**
-             * Format: double
-             * @description About how long all runs take, without others beside them, seconds.
-             */
-            time_s: number;
-            /** @description Runs that are stepped at a time. */
-            workers: number;
-        };
         /** @description The curves of every group, at the same abscissae. */
         JobCurves: {
             /** @description Abscissae: counted epochs that are complete. */
@@ -2032,7 +2307,40 @@ export interface components {
             /** @description Cursor of the next page; null on the last. */
             next: string | null;
         };
-        JobSpec: Record<string, never>;
+        /** @description A job: the product of a matrix over a base run and of seeds, or a prepared one by name. */
+        JobSpec: {
+            /** @description Where an editor finds the JSON Schema of this document; not read. */
+            $schema?: string;
+            /** @description What all runs have in common. */
+            base?: components["schemas"]["RunFields"];
+            /** @description Values to try by dotted path into the run spec, such as `controller.alpha`. Combined in alphabetical order of paths; the last path varies fastest. */
+            matrix?: components["schemas"]["Matrix"];
+            /** @description Any text, to recognise the job by. */
+            name?: string;
+            /** @description Instead of a matrix: jobs of their own, each with a base put over this one's. */
+            parts?: {
+                /** @description Put over the job's base, field by field. */
+                base?: components["schemas"]["RunFields"];
+                /** @description As of a job. */
+                matrix?: components["schemas"]["Matrix"];
+                /** @description Its name, no other part's. */
+                name?: string;
+                /** @description As of a job, whose seeds it has where it says nothing. */
+                seeds?: components["schemas"]["Seeds"];
+            }[];
+            /**
+             * @description Version of this format: `SCHEMA`.
+             * @default 1
+             */
+            schema: number;
+            /** @description Seeds to repeat each combination with. */
+            seeds?: components["schemas"]["Seeds"];
+            /**
+             * @description Name of a prepared job; stands alone, or with `name`, `base` and `seeds` that override its own.
+             * @enum {unknown}
+             */
+            template?: "first-job" | "chapter-5";
+        };
         /** @description A job's results by combination of its matrix. */
         JobSummary: {
             /** @description One for each combination, in order. */
@@ -2052,59 +2360,172 @@ export interface components {
             /** @description What sharing changes; empty where `sharing.mode` does not vary or lacks `none`. */
             sharing: components["schemas"]["Sharing"][];
         };
-        /** @description A robot's learner at a moment. */
-        Learnt: {
-            /** @description Clusters of commands so far; actions, where there is a table. */
-            actuator_clusters: number;
-            /** @description Steps of the arena since the run began, all phases. */
-            arena_step: number;
-            /** @description The spec's bound on them, where it has one. */
-            budget_bytes: number | null;
-            /** @description Bytes that the learner holds. */
-            bytes: number;
-            /** @description Vectors that found no room for a cluster of their own. */
-            clusters_saturated: number;
-            /**
-             * Format: double
-             * @description Fitness of the parent genome, once it was evaluated; in evolution alone.
-             */
-            fitness: number | null;
-            /** @description Whether this is the present moment of a run that is being stepped; else it is that of its last checkpoint. */
-            is_live: boolean;
-            /** @description Most bytes that it may hold at any moment. */
-            most_bytes: number;
-            /** @description What the run is doing. */
-            phase: string;
-            /** @description Number of the robot, from 0. */
-            robot: number;
-            /** @description Clusters of sensor vectors so far; states, where there is a table. */
-            sensor_clusters: number;
-            /** @description Clusters of sensori-motor vectors so far, where an objective is over them. */
-            sensori_motor_clusters: number | null;
-            /** @description The transition table; none before the robot has one. */
-            table: components["schemas"]["LearntTable"] | null;
-        };
-        /** @description A transition table. Lists of lists have a list for each state, with a value for each action. */
-        LearntTable: {
-            /** @description The action that it chose last. */
-            action: number;
-            /** @description Commands of each action, left and right. */
-            actions: number[][];
-            /** @description Tries of an action in a state that are remembered. */
-            counts: number[][];
-            /** @description Q: entropy of what followed, nats. */
-            entropy: number[][];
-            /** @description What actions are chosen by (equation 4.9); none for an action never tried. */
-            score: (number | null)[][];
-            /** @description The state that the robot is in. */
-            state: number;
-            /** @description Sensor values of each state, as the learner sees them. */
-            states: number[][];
-            /** @description States in all; of a large table lists hold the first alone, as many as make 250,000 values. */
-            states_total: number;
-        };
         /** @description Which squares a test compares. */
         Level: "p1" | "p10";
+        /** @description Values to try by dotted path into the run spec. Paths with `+` between them vary together: their values are lists with one entry a path. */
+        Matrix: {
+            /** @description Target arena, where visits count. */
+            arena?: components["schemas"]["ArenaRef"][];
+            /** @description Whether local programs can watch the run through shared memory. */
+            channels?: boolean[];
+            /** @description How the robots learn. */
+            controller?: components["schemas"]["Controller"][];
+            /** @description Steps that a phase-3 action is held, steps (calibration) */
+            "controller.action_hold_steps"?: number[];
+            /** @description Actuator vectors kept for each actuator cluster, vectors (bounded memory) */
+            "controller.actuator_sample"?: number[];
+            /** @description Weight of leaving the state against transition entropy (eq. 4.9) */
+            "controller.alpha"?: number[];
+            /** @description Epochs of random commands before `im` clusters (not counted as visits), epochs (calibration) */
+            "controller.babbling_epochs"?: number[];
+            /** @description Radius of actuator clusters (table 5.2) */
+            "controller.epsilon_actuator"?: number[];
+            /** @description Radius of sensor clusters (the thesis: 1) (table 5.2, calibrated) */
+            "controller.epsilon_sensor"?: number[];
+            /** @description Radius of sensori-motor clusters (table 5.2) */
+            "controller.epsilon_sensori_motor"?: number[];
+            /** @description Probability of a uniformly random action (table 5.2) */
+            "controller.eta"?: number[];
+            /** @description Variance of a fresh parent's weights (section 5.2.5) */
+            "controller.initial_weight_variance"?: number[];
+            /** @description When a state's information is insufficient (Alg. 5 against section 4.3.3) */
+            "controller.insufficiency"?: ("every-action" | "state-total")[];
+            /** @description Most Lloyd iterations a restart, iterations (bounded time) */
+            "controller.kmeans_iterations"?: number[];
+            /** @description Independent k-means; least distortion is kept, restarts (section 4.3.2 (P open)) */
+            "controller.kmeans_restarts"?: number[];
+            /** @description Length of each list S(i, j), transitions (table 5.2) */
+            "controller.lambda"?: number[];
+            /** @description Threshold of the `state-total` rule, transitions (table 5.2) */
+            "controller.lambda_total"?: number[];
+            /** @description Cap of each clustering; at the cap a vector joins the nearest cluster, clusters (bounded memory) */
+            "controller.max_clusters"?: number[];
+            /** @description Longest step, m (truncated power law; more than an epoch of 2,000 steps crosses in any of the arenas) */
+            "controller.max_length_m"?: number[];
+            /** @description Name of the method, such as `ev-iter-c`. */
+            "controller.method"?: ("brownian" | "curiosity" | "curiosity-a" | "discovery" | "discovery-a" | "im" | "ev-iter-c" | "ev-iter-d" | "ev-iter-ca" | "ev-iter-da" | "levy")[];
+            /** @description Shortest step, m (a body's diameter) */
+            "controller.min_length_m"?: number[];
+            /** @description Exponent of the density of step lengths, l^-mu (Viswanathan et al. 1999: 1 < mu <= 3, 2 is best for sparse targets) */
+            "controller.mu"?: number[];
+            /** @description Genomes of phase 1 that are replayed into the repository: all, or the fittest, genomes (chapter 5 (all) against chapter 4 (the best)) */
+            "controller.replay_genomes"?: number[];
+            /** @description Evaluations without improvement before a fresh parent, evaluations (section 5.2.5) */
+            "controller.restart_after"?: number[];
+            /** @description Uniform sample of phase 1 that k-means runs over, vectors (bounded memory) */
+            "controller.sample"?: number[];
+            /** @description Interval that raw sensor values are mapped to (open in the thesis) */
+            "controller.sensor_scale"?: ("signed" | "unsigned")[];
+            /** @description Initial mutation step of the (1+1)-ES (section 5.2.5) */
+            "controller.sigma"?: number[];
+            /** @description Factor of the one-fifth rule (chapter 2) */
+            "controller.sigma_factor"?: number[];
+            /** @description Slope of the perceptron's sigmoid (eq. 4.7) */
+            "controller.slope"?: number[];
+            /** @description Where `im` takes its clusters from (open in the thesis) */
+            "controller.states_from"?: ("babbling" | "phase-1")[];
+            /** @description Window of the one-fifth rule, evaluations (open in the thesis) */
+            "controller.success_window"?: number[];
+            /** @description Which action is taken of several with the same highest score (open in the thesis) */
+            "controller.ties"?: ("first" | "random" | "keep")[];
+            /** @description Where it trains, for the methods that do. */
+            "controller.train"?: {
+                /**
+                 * @description Arena in which phase 1, or the evolution of a baseline, happens.
+                 * @default easy
+                 */
+                arena: components["schemas"]["ArenaRef"];
+                /**
+                 * @description Epochs of phase 1.
+                 * @default 200
+                 */
+                epochs: number;
+            }[];
+            /** @description Arena in which phase 1, or the evolution of a baseline, happens. */
+            "controller.train.arena"?: components["schemas"]["ArenaRef"][];
+            /** @description Epochs of phase 1. */
+            "controller.train.epochs"?: number[];
+            /** @description Raw value of one of the two foremost sensors from which a step ends (4 cm from the sensor: the way that an e-puck at top speed needs to stop) */
+            "controller.wall_reading"?: number[];
+            /** @description `kinematic` or `rapier`. */
+            engine?: ("kinematic" | "rapier")[];
+            /** @description `reset` or `continue`. */
+            episodes?: ("reset" | "continue")[];
+            /** @description Counted epochs. */
+            epochs?: number[];
+            /** @description Bytes that each robot's learner may hold, a preset's name, or null for no budget. */
+            memory_budget_bytes?: (number | ("e-puck" | "e-puck2") | null)[];
+            /** @description `start`, `grid` or `random`; or an object, to place robots where no start pose reaches. */
+            placement?: (("start" | "grid" | "random") | {
+                /** @default false */
+                anywhere: boolean;
+                /**
+                 * @default start
+                 * @enum {unknown}
+                 */
+                kind: "start" | "grid" | "random";
+            })[];
+            "placement.anywhere"?: boolean[];
+            "placement.kind"?: ("start" | "grid" | "random")[];
+            /** @description What is recorded. */
+            record?: {
+                /**
+                 * @description Record every so many steps; 0 records nothing.
+                 * @default 0
+                 */
+                every_steps: number;
+            }[];
+            /** @description Record every so many steps; 0 records nothing. */
+            "record.every_steps"?: number[];
+            /** @description Body, wheels and sensors. */
+            robot?: components["schemas"]["Robot"][];
+            /** @description Distance between the wheels, m (Webots 7 EPuck.proto) */
+            "robot.axle_m"?: number[];
+            /** @description Radius of the disc-shaped body, m (Webots 7 EPuck.proto) */
+            "robot.body_radius_m"?: number[];
+            /** @description Restitution against walls and robots (Webots ContactProperties) */
+            "robot.contact_bounce"?: number[];
+            /** @description Coulomb friction against walls and robots (Webots ContactProperties) */
+            "robot.contact_friction"?: number[];
+            /** @description Vertical inertia (rapier engine), kg m2 (Webots 7 EPuck.proto) */
+            "robot.inertia_kg_m2"?: number[];
+            /** @description Mass (rapier engine), kg (Webots 7 EPuck.proto) */
+            "robot.mass_kg"?: number[];
+            /** @description Limit of the wheels' acceleration; 0 means none, rad/s2 (Webots DifferentialWheels) */
+            "robot.max_wheel_acceleration_rad_s2"?: number[];
+            /** @description Top wheel speed, reached at command 1, rad/s (1000 ticks/s) */
+            "robot.max_wheel_speed_rad_s"?: number[];
+            /** @description Name of the preset, such as `thesis`. */
+            "robot.preset"?: ("thesis" | "webots-2022" | "epuck2")[];
+            /** @description Length of a sensor's ray for each metre that it covers over the ground; 1 means level rays (inferred: the one factor that gives all nine figures of the specification's hand check) */
+            "robot.ray_stretch"?: number[];
+            /** @description Factor on every sensor value before clamping (option) */
+            "robot.sensor_gain"?: number[];
+            /** @description Factor on the sensors' standard deviation; 0 turns noise off (option) */
+            "robot.sensor_noise"?: number[];
+            /** @description Control step, s (Webots basic time step) */
+            "robot.step_s"?: number[];
+            /** @description Wheel radius, m (Webots 7 EPuck.proto) */
+            "robot.wheel_radius_m"?: number[];
+            /** @description Uniform relative noise on each wheel's speed, plus or minus (option) */
+            "robot.wheel_slip"?: number[];
+            /** @description Robots in the arena. */
+            robots?: number[];
+            /** @description Version of this format: `SCHEMA`. */
+            schema?: number[];
+            /** @description Whether robots share what they learn. */
+            sharing?: components["schemas"]["SharingSpec"][];
+            /** @description Bytes that a robot may tell in a step; with `radio` alone. */
+            "sharing.bytes_per_step"?: number[];
+            /** @description `none`, `arena` or `radio`. */
+            "sharing.mode"?: ("none" | "arena" | "radio")[];
+            /** @description Greatest distance between two robots that hear each other, metres, null for no limit; with `radio` alone. */
+            "sharing.range_m"?: (number | null)[];
+            /** @description Control steps an epoch. */
+            steps_per_epoch?: number[];
+        } & {
+            [key: string]: unknown[] | unknown[][];
+        };
         /** @description A measure over the runs of a group. */
         Measure: {
             /** @description Of the mean; null of fewer than two runs. */
@@ -2222,6 +2643,53 @@ export interface components {
             /** @description Number of those pairs: compare tables by the divergence a pair. */
             pairs: number;
         };
+        /** @description An object at its start pose. */
+        Movable: {
+            /**
+             * @description Coefficient of friction with the floor.
+             * @default 0.3
+             */
+            friction: number;
+            /**
+             * @description Counter-clockwise from the x axis.
+             * @default 0
+             */
+            heading_rad: number;
+            /** @description Across the heading, metres. */
+            height_m: number;
+            /** @constant */
+            kind: "box";
+            /**
+             * @description Kilograms.
+             * @default 0.05
+             */
+            mass_kg: number;
+            /** @description Along the heading, metres. */
+            width_m: number;
+            /** @description Centre along x, metres. */
+            x_m: number;
+            /** @description Centre along y, metres. */
+            y_m: number;
+        } | {
+            /**
+             * @description Coefficient of friction with the floor.
+             * @default 0.3
+             */
+            friction: number;
+            /** @constant */
+            kind: "disc";
+            /**
+             * @description Kilograms.
+             * @default 0.05
+             */
+            mass_kg: number;
+            /** @description Metres. */
+            radius_m: number;
+            /** @description Centre along x, metres. */
+            x_m: number;
+            /** @description Centre along y, metres. */
+            y_m: number;
+        };
         /** @description What became of a movable object. */
         ObjectResult: {
             /**
@@ -2318,6 +2786,15 @@ export interface components {
             /** @description SI unit, `1` for a pure number, or empty. */
             unit: string;
         };
+        /** @description Where a robot starts. */
+        Pose: {
+            /** @description Counter-clockwise from the x axis. */
+            heading_rad: number;
+            /** @description Metres from the left wall. */
+            x_m: number;
+            /** @description Metres from the bottom wall. */
+            y_m: number;
+        };
         /** @description t = a N^-b, by least squares of ln t on ln N over all runs that got there. */
         PowerLaw: {
             /**
@@ -2406,6 +2883,85 @@ export interface components {
             /** @description Robot-steps in all. */
             robot_steps_total: number;
         };
+        /** @description A robot preset with parameters that differ from it. */
+        Robot: {
+            /**
+             * @description Distance between the wheels, m (Webots 7 EPuck.proto)
+             * @default 0.052
+             */
+            axle_m: number;
+            /**
+             * @description Radius of the disc-shaped body, m (Webots 7 EPuck.proto)
+             * @default 0.037
+             */
+            body_radius_m: number;
+            /**
+             * @description Restitution against walls and robots (Webots ContactProperties)
+             * @default 0
+             */
+            contact_bounce: number;
+            /**
+             * @description Coulomb friction against walls and robots (Webots ContactProperties)
+             * @default 1
+             */
+            contact_friction: number;
+            /**
+             * @description Vertical inertia (rapier engine), kg m2 (Webots 7 EPuck.proto)
+             * @default 0.00009786
+             */
+            inertia_kg_m2: number;
+            /**
+             * @description Mass (rapier engine), kg (Webots 7 EPuck.proto)
+             * @default 0.15
+             */
+            mass_kg: number;
+            /**
+             * @description Limit of the wheels' acceleration; 0 means none, rad/s2 (Webots DifferentialWheels)
+             * @default 10
+             */
+            max_wheel_acceleration_rad_s2: number;
+            /**
+             * @description Top wheel speed, reached at command 1, rad/s (1000 ticks/s)
+             * @default 6.28
+             */
+            max_wheel_speed_rad_s: number;
+            /**
+             * @description Name of the preset, such as `thesis`.
+             * @default thesis
+             * @enum {unknown}
+             */
+            preset: "thesis" | "webots-2022" | "epuck2";
+            /**
+             * @description Length of a sensor's ray for each metre that it covers over the ground; 1 means level rays (inferred: the one factor that gives all nine figures of the specification's hand check)
+             * @default 1.01305
+             */
+            ray_stretch: number;
+            /**
+             * @description Factor on every sensor value before clamping (option)
+             * @default 1
+             */
+            sensor_gain: number;
+            /**
+             * @description Factor on the sensors' standard deviation; 0 turns noise off (option)
+             * @default 1
+             */
+            sensor_noise: number;
+            /**
+             * @description Control step, s (Webots basic time step)
+             * @default 0.064
+             */
+            step_s: number;
+            /**
+             * @description Wheel radius, m (Webots 7 EPuck.proto)
+             * @default 0.0205
+             */
+            wheel_radius_m: number;
+            /**
+             * @description Uniform relative noise on each wheel's speed, plus or minus (option)
+             * @default 0
+             */
+            wheel_slip: number;
+        };
         /** @description How many runs of a job are in each state. */
         RunCounts: {
             /** @description Stopped for good. */
@@ -2433,6 +2989,90 @@ export interface components {
             /** @description Squares, as far as the run went. */
             values: (number | null)[];
         };
+        /** @description One simulation run. */
+        RunFields: {
+            /** @description Where an editor finds the JSON Schema of this document; not read. */
+            $schema?: string;
+            /**
+             * @description Target arena, where visits count.
+             * @default maze
+             */
+            arena: components["schemas"]["ArenaRef"];
+            /**
+             * @description Whether local programs can watch the run through shared memory.
+             * @default false
+             */
+            channels: boolean;
+            /** @description How the robots learn. */
+            controller?: components["schemas"]["Controller"];
+            /**
+             * @description `kinematic` or `rapier`.
+             * @default kinematic
+             * @enum {unknown}
+             */
+            engine: "kinematic" | "rapier";
+            /**
+             * @description `reset` or `continue`.
+             * @default reset
+             * @enum {unknown}
+             */
+            episodes: "reset" | "continue";
+            /**
+             * @description Counted epochs.
+             * @default 2000
+             */
+            epochs: number;
+            /**
+             * @description Bytes that each robot's learner may hold, a preset's name, or null for no budget.
+             * @default null
+             */
+            memory_budget_bytes: number | ("e-puck" | "e-puck2") | null;
+            /**
+             * @description `start`, `grid` or `random`; or an object, to place robots where no start pose reaches.
+             * @default start
+             */
+            placement: ("start" | "grid" | "random") | {
+                /** @default false */
+                anywhere: boolean;
+                /**
+                 * @default start
+                 * @enum {unknown}
+                 */
+                kind: "start" | "grid" | "random";
+            };
+            /** @description What is recorded. */
+            record?: {
+                /**
+                 * @description Record every so many steps; 0 records nothing.
+                 * @default 0
+                 */
+                every_steps: number;
+            };
+            /** @description Body, wheels and sensors. */
+            robot?: components["schemas"]["Robot"];
+            /**
+             * @description Robots in the arena.
+             * @default 1
+             */
+            robots: number;
+            /**
+             * @description Version of this format: `SCHEMA`.
+             * @default 1
+             */
+            schema: number;
+            /**
+             * @description Seed of every random stream, at most 2^53 - 1.
+             * @default 1
+             */
+            seed: number;
+            /** @description Whether robots share what they learn. */
+            sharing?: components["schemas"]["SharingSpec"];
+            /**
+             * @description Control steps an epoch.
+             * @default 2000
+             */
+            steps_per_epoch: number;
+        };
         /** @description `GET /v1/runs/{id}/log`: oldest first; a long log loses its beginning. */
         RunLog: {
             /** @description Its entries. */
@@ -2446,6 +3086,19 @@ export interface components {
             robot_steps_done: number | null;
             /** @description In words. */
             what: string;
+        };
+        /** @description A state that a run goes on from. */
+        RunOrigin: {
+            /** @description SHA-256 of the state, in hex. */
+            checkpoint_sha256: string;
+            /** @description Counted epochs that were complete. */
+            epochs_done: number;
+            /** @description Robot-steps that were done. */
+            robot_steps_done: number;
+            /** @description Id of the run that the state is of. */
+            run: string;
+            /** @description Whether the state was uploaded, so that this server has not made it. */
+            uploaded: boolean;
         };
         /** @description A page of a job's runs. */
         RunPage: {
@@ -2495,7 +3148,8 @@ export interface components {
             /** @description Robot-steps, uncounted phases included. */
             steps: number;
         };
-        RunSpec: Record<string, never>;
+        /** @description A run. It says only what differs from the defaults. */
+        RunSpec: components["schemas"]["RunFields"];
         /** @description A run in a list. */
         RunSummary: {
             /** @description Name of the target arena. */
@@ -2515,6 +3169,11 @@ export interface components {
             label: string;
             /** @description Name of the method. */
             method: string;
+            /**
+             * @description The state of another run that it goes on from; null where it starts at its beginning. Its id is then made of its spec and of the digest of that state.
+             * @default null
+             */
+            origin: components["schemas"]["RunOrigin"] | null;
             /** @description How far it is; null before it starts. */
             progress: components["schemas"]["Progress"] | null;
             /** @description What it found; null until it is done. */
@@ -2554,6 +3213,13 @@ export interface components {
             /** @description One for each of `t50_steps`, `t90_steps` and `t99_steps`. */
             times: components["schemas"]["SpeedUp"][];
         };
+        /** @description Seeds to repeat each combination with. */
+        Seeds: {
+            /** @default 1 */
+            count: number;
+            /** @default 1 */
+            first: number;
+        } | number[];
         /** @description A mode of sharing against none, all else equal, over numbers of robots. */
         Sharing: {
             /** @description `arena` or `radio`. */
@@ -2582,6 +3248,25 @@ export interface components {
             robots: number;
             /** @description `helps`, `hurts`, `no difference found` or `too few seeds`. */
             verdict: string;
+        };
+        /** @description Sharing between robots. */
+        SharingSpec: {
+            /**
+             * @description Bytes that a robot may tell in a step; with `radio` alone.
+             * @default 16
+             */
+            bytes_per_step: number;
+            /**
+             * @description `none`, `arena` or `radio`.
+             * @default none
+             * @enum {unknown}
+             */
+            mode: "none" | "arena" | "radio";
+            /**
+             * @description Greatest distance between two robots that hear each other, metres, null for no limit; with `radio` alone.
+             * @default 0.47
+             */
+            range_m: number | null;
         };
         /** @description The comparison under one engine. */
         Side: {
@@ -2701,6 +3386,33 @@ export interface components {
             test: string;
             unit: string | null;
             verdict: components["schemas"]["Verdict"];
+        };
+        /** @description An arena made of copies of another, side by side. */
+        TiledArena: {
+            /** @description Where an editor finds the JSON Schema of this document; not read. */
+            $schema?: string;
+            /** @description Width of the opening in the middle of each side that tiles share, metres; without it they have no wall between them. */
+            doorway_m?: number | null;
+            from: components["schemas"]["ArenaRef"];
+            name?: string | null;
+            /**
+             * @description Factor on all lengths of a tile.
+             * @default 1
+             */
+            scale: number | null;
+            /**
+             * @description Squares that visits are counted in, along each side, or [columns, rows].
+             * @default null
+             */
+            squares: number | number[] | null;
+            /**
+             * @description [columns, rows]
+             * @default [
+             *       1,
+             *       1
+             *     ]
+             */
+            tile: number[] | null;
         };
         /** @description A shared-memory type as C sees it. */
         TypeLayout: {
@@ -2920,6 +3632,39 @@ export interface components {
                 };
             };
         };
+        /** @description `checkpoint-not-kept`: A run that has not begun has no state to go on from, and of one that has ended its last state is kept only while there is room. */
+        "checkpoint-not-kept": {
+            headers: {
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"] & {
+                    /** @enum {unknown} */
+                    code?: "checkpoint-not-kept";
+                    /** @constant */
+                    status?: 409;
+                };
+            };
+        };
+        /**
+         * @description `checkpoint-not-kept`: A run that has not begun has no state to go on from, and of one that has ended its last state is kept only while there is room.
+         *
+         *     `idempotency-key-under-way`: A request with the same Idempotency-Key is being stored or its job deleted; ask again after the time in Retry-After.
+         */
+        "checkpoint-not-kept.idempotency-key-under-way": {
+            headers: {
+                "Retry-After": components["headers"]["RetryAfter"];
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"] & {
+                    /** @enum {unknown} */
+                    code?: "checkpoint-not-kept" | "idempotency-key-under-way";
+                    /** @constant */
+                    status?: 409;
+                };
+            };
+        };
         /** @description `document-not-kept`: Jobs of versions that did not keep documents can neither show theirs nor be extended. */
         "document-not-kept": {
             headers: {
@@ -2943,24 +3688,6 @@ export interface components {
                 "application/problem+json": components["schemas"]["Problem"] & {
                     /** @enum {unknown} */
                     code?: "findings-not-kept";
-                    /** @constant */
-                    status?: 409;
-                };
-            };
-        };
-        /**
-         * @description `findings-not-kept`: A run that failed or was cancelled keeps nothing of what it found.
-         *
-         *     `nothing-learnt`: Its method learns nothing, or the run has no such robot.
-         */
-        "findings-not-kept.nothing-learnt": {
-            headers: {
-                [name: string]: unknown;
-            };
-            content: {
-                "application/problem+json": components["schemas"]["Problem"] & {
-                    /** @enum {unknown} */
-                    code?: "findings-not-kept" | "nothing-learnt";
                     /** @constant */
                     status?: 409;
                 };
@@ -3594,6 +4321,55 @@ export interface operations {
             503: components["responses"]["overloaded.answer-too-slow"];
         };
     };
+    getDocs: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description Tags of answers that the client has: where one is this answer's, 304 is answered. */
+                "If-None-Match"?: string;
+                /** @description `bytes=first-last`, `bytes=first-` or `bytes=-count`: 206 with these bytes. Several ranges at once are answered with all. */
+                Range?: string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The page. */
+            200: {
+                headers: {
+                    "Accept-Ranges": components["headers"]["AcceptRanges"];
+                    "Cache-Control": components["headers"]["CacheControl"];
+                    ETag: components["headers"]["ETag"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/html; charset=utf-8": string;
+                };
+            };
+            /** @description The bytes that `Range` asks for. */
+            206: {
+                headers: {
+                    "Accept-Ranges": components["headers"]["AcceptRanges"];
+                    "Cache-Control": components["headers"]["CacheControl"];
+                    "Content-Range": components["headers"]["ContentRange"];
+                    ETag: components["headers"]["ETag"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/html; charset=utf-8": unknown;
+                };
+            };
+            304: components["responses"]["NotModified"];
+            400: components["responses"]["invalid-request.invalid-header.invalid-query"];
+            403: components["responses"]["foreign-host"];
+            408: components["responses"]["body-too-slow"];
+            413: components["responses"]["body-too-large"];
+            416: components["responses"]["range-not-satisfiable"];
+            500: components["responses"]["internal"];
+            503: components["responses"]["overloaded.answer-too-slow"];
+        };
+    };
     getPageFiles: {
         parameters: {
             query?: never;
@@ -3988,6 +4764,153 @@ export interface operations {
             503: components["responses"]["not-ready"];
         };
     };
+    getArenaSchema: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description Tags of answers that the client has: where one is this answer's, 304 is answered. */
+                "If-None-Match"?: string;
+                /** @description `bytes=first-last`, `bytes=first-` or `bytes=-count`: 206 with these bytes. Several ranges at once are answered with all. */
+                Range?: string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The schema. */
+            200: {
+                headers: {
+                    "Accept-Ranges": components["headers"]["AcceptRanges"];
+                    "Cache-Control": components["headers"]["CacheControl"];
+                    ETag: components["headers"]["ETag"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/schema+json": unknown;
+                };
+            };
+            /** @description The bytes that `Range` asks for. */
+            206: {
+                headers: {
+                    "Accept-Ranges": components["headers"]["AcceptRanges"];
+                    "Cache-Control": components["headers"]["CacheControl"];
+                    "Content-Range": components["headers"]["ContentRange"];
+                    ETag: components["headers"]["ETag"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/schema+json": unknown;
+                };
+            };
+            304: components["responses"]["NotModified"];
+            400: components["responses"]["invalid-request.invalid-header.invalid-query"];
+            403: components["responses"]["foreign-host"];
+            408: components["responses"]["body-too-slow"];
+            413: components["responses"]["body-too-large"];
+            416: components["responses"]["range-not-satisfiable"];
+            500: components["responses"]["internal"];
+            503: components["responses"]["overloaded.answer-too-slow"];
+        };
+    };
+    getJobSchema: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description Tags of answers that the client has: where one is this answer's, 304 is answered. */
+                "If-None-Match"?: string;
+                /** @description `bytes=first-last`, `bytes=first-` or `bytes=-count`: 206 with these bytes. Several ranges at once are answered with all. */
+                Range?: string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The schema. */
+            200: {
+                headers: {
+                    "Accept-Ranges": components["headers"]["AcceptRanges"];
+                    "Cache-Control": components["headers"]["CacheControl"];
+                    ETag: components["headers"]["ETag"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/schema+json": unknown;
+                };
+            };
+            /** @description The bytes that `Range` asks for. */
+            206: {
+                headers: {
+                    "Accept-Ranges": components["headers"]["AcceptRanges"];
+                    "Cache-Control": components["headers"]["CacheControl"];
+                    "Content-Range": components["headers"]["ContentRange"];
+                    ETag: components["headers"]["ETag"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/schema+json": unknown;
+                };
+            };
+            304: components["responses"]["NotModified"];
+            400: components["responses"]["invalid-request.invalid-header.invalid-query"];
+            403: components["responses"]["foreign-host"];
+            408: components["responses"]["body-too-slow"];
+            413: components["responses"]["body-too-large"];
+            416: components["responses"]["range-not-satisfiable"];
+            500: components["responses"]["internal"];
+            503: components["responses"]["overloaded.answer-too-slow"];
+        };
+    };
+    getRunSchema: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description Tags of answers that the client has: where one is this answer's, 304 is answered. */
+                "If-None-Match"?: string;
+                /** @description `bytes=first-last`, `bytes=first-` or `bytes=-count`: 206 with these bytes. Several ranges at once are answered with all. */
+                Range?: string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The schema. */
+            200: {
+                headers: {
+                    "Accept-Ranges": components["headers"]["AcceptRanges"];
+                    "Cache-Control": components["headers"]["CacheControl"];
+                    ETag: components["headers"]["ETag"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/schema+json": unknown;
+                };
+            };
+            /** @description The bytes that `Range` asks for. */
+            206: {
+                headers: {
+                    "Accept-Ranges": components["headers"]["AcceptRanges"];
+                    "Cache-Control": components["headers"]["CacheControl"];
+                    "Content-Range": components["headers"]["ContentRange"];
+                    ETag: components["headers"]["ETag"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/schema+json": unknown;
+                };
+            };
+            304: components["responses"]["NotModified"];
+            400: components["responses"]["invalid-request.invalid-header.invalid-query"];
+            403: components["responses"]["foreign-host"];
+            408: components["responses"]["body-too-slow"];
+            413: components["responses"]["body-too-large"];
+            416: components["responses"]["range-not-satisfiable"];
+            500: components["responses"]["internal"];
+            503: components["responses"]["overloaded.answer-too-slow"];
+        };
+    };
     listArenas: {
         parameters: {
             query?: never;
@@ -4084,6 +5007,41 @@ export interface operations {
             500: components["responses"]["internal"];
             503: components["responses"]["overloaded.answer-too-slow"];
             507: components["responses"]["store-full.arenas-full"];
+        };
+    };
+    generateArena: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Arena"];
+            };
+        };
+        responses: {
+            /** @description The arena. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Arena"];
+                };
+            };
+            400: components["responses"]["invalid-request.invalid-header.invalid-query.invalid-json"];
+            401: components["responses"]["token-needed"];
+            403: components["responses"]["read-only-token.foreign-host.foreign-origin"];
+            408: components["responses"]["body-too-slow"];
+            413: components["responses"]["body-too-large"];
+            415: components["responses"]["not-said-to-be-json"];
+            422: components["responses"]["invalid-document"];
+            429: components["responses"]["too-many-attempts"];
+            500: components["responses"]["internal"];
+            503: components["responses"]["overloaded.answer-too-slow"];
+            507: components["responses"]["store-full"];
         };
     };
     getArena: {
@@ -4226,76 +5184,6 @@ export interface operations {
             429: components["responses"]["too-many-attempts"];
             500: components["responses"]["internal"];
             503: components["responses"]["overloaded.answer-too-slow"];
-        };
-    };
-    checkArena: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["Arena"];
-            };
-        };
-        responses: {
-            /** @description The arena is valid. */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["ArenaCheck"];
-                };
-            };
-            400: components["responses"]["invalid-request.invalid-header.invalid-query.invalid-json"];
-            401: components["responses"]["token-needed"];
-            403: components["responses"]["read-only-token.foreign-host.foreign-origin"];
-            408: components["responses"]["body-too-slow"];
-            413: components["responses"]["body-too-large"];
-            415: components["responses"]["not-said-to-be-json"];
-            422: components["responses"]["invalid-document"];
-            429: components["responses"]["too-many-attempts"];
-            500: components["responses"]["internal"];
-            503: components["responses"]["overloaded.answer-too-slow"];
-            507: components["responses"]["store-full"];
-        };
-    };
-    checkJob: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["JobSpec"];
-            };
-        };
-        responses: {
-            /** @description The job is valid. */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["JobCheck"];
-                };
-            };
-            400: components["responses"]["invalid-request.invalid-header.invalid-query.invalid-json"];
-            401: components["responses"]["token-needed"];
-            403: components["responses"]["read-only-token.foreign-host.foreign-origin"];
-            408: components["responses"]["body-too-slow"];
-            413: components["responses"]["body-too-large"];
-            415: components["responses"]["not-said-to-be-json"];
-            422: components["responses"]["invalid-document"];
-            429: components["responses"]["too-many-attempts"];
-            500: components["responses"]["internal"];
-            503: components["responses"]["overloaded.answer-too-slow"];
-            507: components["responses"]["store-full"];
         };
     };
     listControllers: {
@@ -4737,66 +5625,6 @@ export interface operations {
                 };
                 content: {
                     "text/markdown; charset=utf-8": unknown;
-                };
-            };
-            304: components["responses"]["NotModified"];
-            400: components["responses"]["invalid-request.invalid-header.invalid-query"];
-            401: components["responses"]["token-needed"];
-            403: components["responses"]["foreign-host"];
-            404: components["responses"]["job-not-found"];
-            408: components["responses"]["body-too-slow"];
-            413: components["responses"]["body-too-large"];
-            416: components["responses"]["range-not-satisfiable"];
-            429: components["responses"]["too-many-attempts"];
-            500: components["responses"]["internal.damaged"];
-            503: components["responses"]["overloaded.answer-too-slow"];
-        };
-    };
-    getJobCoverage: {
-        parameters: {
-            query?: {
-                /** @description Place of the group among those of the job or of `by`, from 0. */
-                group?: number;
-                /** @description Dotted path of the run spec whose values are the groups; else each combination is one. */
-                by?: string;
-            };
-            header?: {
-                /** @description Tags of answers that the client has: where one is this answer's, 304 is answered. */
-                "If-None-Match"?: string;
-                /** @description `bytes=first-last`, `bytes=first-` or `bytes=-count`: 206 with these bytes. Several ranges at once are answered with all. */
-                Range?: string;
-            };
-            path: {
-                /** @description Id of a job. */
-                id: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description The coverage of what is done. */
-            200: {
-                headers: {
-                    "Accept-Ranges": components["headers"]["AcceptRanges"];
-                    "Cache-Control": components["headers"]["CacheControl"];
-                    ETag: components["headers"]["ETag"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["GroupCoverage"];
-                };
-            };
-            /** @description The bytes that `Range` asks for. */
-            206: {
-                headers: {
-                    "Accept-Ranges": components["headers"]["AcceptRanges"];
-                    "Cache-Control": components["headers"]["CacheControl"];
-                    "Content-Range": components["headers"]["ContentRange"];
-                    ETag: components["headers"]["ETag"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": unknown;
                 };
             };
             304: components["responses"]["NotModified"];
@@ -5747,6 +6575,8 @@ export interface operations {
                 method?: string;
                 /** @description Only those with this target arena. */
                 arena?: string;
+                /** @description Which come first. */
+                order?: "newest" | "oldest";
             };
             header?: {
                 /** @description Tags of answers that the client has: where one is this answer's, 304 is answered. */
@@ -6027,6 +6857,113 @@ export interface operations {
             429: components["responses"]["too-many-attempts"];
             500: components["responses"]["internal.damaged"];
             503: components["responses"]["overloaded.answer-too-slow"];
+        };
+    };
+    getRunCheckpoint: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a run: SHA-256 of its spec, its arenas and the version of results, in hex. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The checkpoint. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/octet-stream": unknown;
+                };
+            };
+            400: components["responses"]["invalid-request.invalid-header.invalid-query"];
+            401: components["responses"]["token-needed"];
+            403: components["responses"]["foreign-host"];
+            404: components["responses"]["run-not-found"];
+            408: components["responses"]["body-too-slow"];
+            409: components["responses"]["checkpoint-not-kept"];
+            413: components["responses"]["body-too-large"];
+            429: components["responses"]["too-many-attempts"];
+            500: components["responses"]["internal.damaged"];
+            503: components["responses"]["overloaded.answer-too-slow"];
+        };
+    };
+    putRunCheckpoint: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a run: SHA-256 of its spec, its arenas and the version of results, in hex. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/octet-stream": unknown;
+            };
+        };
+        responses: {
+            /** @description The job. */
+            201: {
+                headers: {
+                    Location: components["headers"]["Location"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Job"];
+                };
+            };
+            400: components["responses"]["invalid-request.invalid-header.invalid-query"];
+            401: components["responses"]["token-needed"];
+            403: components["responses"]["read-only-token.foreign-host.foreign-origin"];
+            404: components["responses"]["run-not-found"];
+            408: components["responses"]["body-too-slow"];
+            409: components["responses"]["idempotency-key-under-way"];
+            413: components["responses"]["body-too-large"];
+            422: components["responses"]["invalid-document.idempotency-key-reused.job-too-large"];
+            429: components["responses"]["queue-full.too-many-attempts"];
+            500: components["responses"]["internal.damaged"];
+            503: components["responses"]["overloaded.answer-too-slow"];
+            507: components["responses"]["store-full"];
+        };
+    };
+    takeRunCheckpoint: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a run: SHA-256 of its spec, its arenas and the version of results, in hex. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description What is kept. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CheckpointInfo"];
+                };
+            };
+            400: components["responses"]["invalid-request.invalid-header.invalid-query"];
+            401: components["responses"]["token-needed"];
+            403: components["responses"]["read-only-token.foreign-host.foreign-origin"];
+            404: components["responses"]["run-not-found"];
+            408: components["responses"]["body-too-slow"];
+            409: components["responses"]["checkpoint-not-kept"];
+            413: components["responses"]["body-too-large"];
+            429: components["responses"]["too-many-attempts"];
+            500: components["responses"]["internal.damaged"];
+            503: components["responses"]["overloaded.answer-too-slow"];
+            507: components["responses"]["store-full"];
         };
     };
     getRunCoverage: {
@@ -6546,7 +7483,7 @@ export interface operations {
             403: components["responses"]["read-only-token.foreign-host.foreign-origin"];
             404: components["responses"]["run-not-found"];
             408: components["responses"]["body-too-slow"];
-            409: components["responses"]["idempotency-key-under-way"];
+            409: components["responses"]["checkpoint-not-kept.idempotency-key-under-way"];
             413: components["responses"]["body-too-large"];
             415: components["responses"]["not-said-to-be-json"];
             422: components["responses"]["invalid-document.idempotency-key-reused.job-too-large"];
@@ -6556,7 +7493,7 @@ export interface operations {
             507: components["responses"]["store-full"];
         };
     };
-    watchRun: {
+    forkRun: {
         parameters: {
             query?: never;
             header?: never;
@@ -6566,85 +7503,35 @@ export interface operations {
             };
             cookie?: never;
         };
-        requestBody?: never;
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Fork"];
+            };
+        };
         responses: {
-            /** @description A stream of at most an hour. */
-            200: {
+            /** @description The job. */
+            201: {
                 headers: {
+                    Location: components["headers"]["Location"];
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/octet-stream": unknown;
+                    "application/json": components["schemas"]["Job"];
                 };
             };
-            400: components["responses"]["invalid-request.invalid-header.invalid-query"];
+            400: components["responses"]["invalid-request.invalid-header.invalid-query.invalid-json"];
             401: components["responses"]["token-needed"];
-            403: components["responses"]["foreign-host"];
+            403: components["responses"]["read-only-token.foreign-host.foreign-origin"];
             404: components["responses"]["run-not-found"];
             408: components["responses"]["body-too-slow"];
+            409: components["responses"]["checkpoint-not-kept.idempotency-key-under-way"];
             413: components["responses"]["body-too-large"];
-            429: components["responses"]["too-many-attempts"];
-            500: components["responses"]["internal.damaged"];
-            503: components["responses"]["overloaded.answer-too-slow.too-many-listeners"];
-        };
-    };
-    getLearnt: {
-        parameters: {
-            query?: {
-                /** @description Number of the robot, from 0. */
-                robot?: number;
-            };
-            header?: {
-                /** @description Tags of answers that the client has: where one is this answer's, 304 is answered. */
-                "If-None-Match"?: string;
-                /** @description `bytes=first-last`, `bytes=first-` or `bytes=-count`: 206 with these bytes. Several ranges at once are answered with all. */
-                Range?: string;
-            };
-            path: {
-                /** @description Id of a run: SHA-256 of its spec, its arenas and the version of results, in hex. */
-                id: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description The robot's learner. */
-            200: {
-                headers: {
-                    "Accept-Ranges": components["headers"]["AcceptRanges"];
-                    "Cache-Control": components["headers"]["CacheControl"];
-                    ETag: components["headers"]["ETag"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Learnt"];
-                };
-            };
-            /** @description The bytes that `Range` asks for. */
-            206: {
-                headers: {
-                    "Accept-Ranges": components["headers"]["AcceptRanges"];
-                    "Cache-Control": components["headers"]["CacheControl"];
-                    "Content-Range": components["headers"]["ContentRange"];
-                    ETag: components["headers"]["ETag"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": unknown;
-                };
-            };
-            304: components["responses"]["NotModified"];
-            400: components["responses"]["invalid-request.invalid-header.invalid-query"];
-            401: components["responses"]["token-needed"];
-            403: components["responses"]["foreign-host"];
-            404: components["responses"]["run-not-found"];
-            408: components["responses"]["body-too-slow"];
-            409: components["responses"]["findings-not-kept.nothing-learnt"];
-            413: components["responses"]["body-too-large"];
-            416: components["responses"]["range-not-satisfiable"];
-            429: components["responses"]["too-many-attempts"];
+            415: components["responses"]["not-said-to-be-json"];
+            422: components["responses"]["invalid-document.idempotency-key-reused.job-too-large"];
+            429: components["responses"]["queue-full.too-many-attempts"];
             500: components["responses"]["internal.damaged"];
             503: components["responses"]["overloaded.answer-too-slow"];
+            507: components["responses"]["store-full"];
         };
     };
     getRunLog: {

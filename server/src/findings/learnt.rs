@@ -1,11 +1,13 @@
-//! What a robot had learnt when its run was last saved.
+//! What was kept of a run that no worker holds, as those who watch it see it.
 
 use api::learnt::Learnt;
+use arenas::Squares;
+use bytes::Bytes;
 use swarm::run::Run;
 
 use super::{Assembler, FindingsError};
 use crate::store::RunView;
-use crate::watching::shown;
+use crate::watching::{covered, shown};
 
 impl Assembler {
     /// What a robot has learnt as the run's checkpoint has it, or before the first step; `None` where
@@ -27,5 +29,20 @@ impl Assembler {
                 .map_err(|errors| broken(format!("its spec: {} fields", errors.len())))?,
         };
         Ok(shown(&opened, robot, false))
+    }
+
+    /// What it covered, as a message of its stream of frames.
+    ///
+    /// # Errors
+    /// When that is not kept or cannot be read.
+    pub fn covered(&self, run: &RunView) -> Result<Bytes, FindingsError> {
+        let found = self.stored(run)?;
+        let spec = self.resolved(run)?;
+        let squares = Squares::of(spec.arena());
+        let none = vec![0; squares.count()];
+        let is_whole = found.visits.len() == none.len();
+        let visits = if is_whole { &found.visits } else { &none };
+        let steps = found.metrics.rows.last().map_or(0, |row| row.steps);
+        Ok(covered(steps, &squares, visits, &found.metrics.first_entry))
     }
 }

@@ -93,7 +93,7 @@ impl Assembler {
     }
 
     /// What a run that no worker holds has covered; nothing when it has not started.
-    fn stored(&self, run: &RunView) -> Result<Findings, FindingsError> {
+    pub(super) fn stored(&self, run: &RunView) -> Result<Findings, FindingsError> {
         if matches!(run.state, RunState::Failed { .. } | RunState::Cancelled) {
             return Err(FindingsError::NotKept(run.state.state()));
         }

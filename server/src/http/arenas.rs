@@ -209,6 +209,6 @@ pub(super) fn listing(app: &App, arena: &Arena, builtin: bool) -> ArenaListing {
 }
 
 /// The arena as it would be written.
-fn text(arena: &Arena) -> Result<String, Refusal> {
+pub(super) fn text(arena: &Arena) -> Result<String, Refusal> {
     serde_json::to_string(&arena.to_format()).map_err(|error| Refusal::internal(&error))
 }

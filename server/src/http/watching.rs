@@ -15,7 +15,7 @@ use tokio::sync::OwnedSemaphorePermit;
 
 use super::App;
 use super::extract::FoundRun;
-use super::operation::Operation;
+use super::operation::{JSON, Operation, Shape};
 use super::query::{Parameter, Query};
 use super::refusal::Refusal;
 use super::routes::Routes;
@@ -43,6 +43,12 @@ const ROBOT: Parameter = Parameter::whole(
 )
 .or(0);
 
+const OF: Parameter = Parameter::word(
+    "of",
+    &["target", "training"],
+    "The arena where visits count, or the one that robots train in, if that is another.",
+);
+
 pub fn routes() -> Routes {
     Routes::new()
         .get(
@@ -62,6 +68,14 @@ pub fn routes() -> Routes {
                 )
                 .streamed()
                 .refuses(&[TooManyListeners]),
+        )
+        .get(
+            "/runs/{id}/arena",
+            arena,
+            Operation::new("getRunArena", "The arena of a run, its walls written out")
+                .details("One that is generated or made of another too.")
+                .query(&[OF])
+                .answers(200, "The arena.", JSON, Some(Shape::Document("Arena"))),
         )
         .get(
             "/runs/{id}/learnt",
@@ -95,6 +109,8 @@ struct Watching {
     run: RunKey,
     viewer: Option<Viewer>,
     has_begun: bool,
+    /// Whether the reader was told what was covered.
+    said_covered: bool,
     /// Whether the reader was told that nobody steps the run.
     said_waiting: bool,
     _place: OwnedSemaphorePermit,
@@ -110,6 +126,7 @@ fn messages(
         run,
         viewer: None,
         has_begun: false,
+        said_covered: false,
         said_waiting: false,
         _place: place,
     };
@@ -134,10 +151,14 @@ impl Watching {
                 }
                 self.viewer = self.app.scheduler.look(self.run);
                 if self.viewer.is_some() {
-                    self.said_waiting = false;
+                    (self.said_waiting, self.said_covered) = (false, true);
                     continue;
                 }
-                if !self.is_awaited().await {
+                let (covered, is_awaited) = self.kept().await?;
+                if let Some(covered) = covered {
+                    return Some(covered);
+                }
+                if !is_awaited {
                     return None;
                 }
                 if !std::mem::replace(&mut self.said_waiting, true) {
@@ -162,13 +183,37 @@ impl Watching {
         }
     }
 
-    /// Whether the run may be stepped again.
-    async fn is_awaited(&self) -> bool {
+    /// What the run has covered, once, and whether it may be stepped again; `None` when it is gone.
+    async fn kept(&mut self) -> Option<(Option<Bytes>, bool)> {
         let run = self.run;
-        let found = self.app.blocking(move |app| Ok(app.store.run_by_key(run)?));
-        let state = found.await.ok().flatten().map(|run| run.state.state());
-        state.is_some_and(|state| !state.is_final())
+        let is_asked = !std::mem::replace(&mut self.said_covered, true);
+        let found = self.app.blocking(move |app| {
+            let Some(run) = app.store.run_by_key(run)? else {
+                return Ok(None);
+            };
+            // What failed or was cancelled has kept nothing.
+            let covered = is_asked.then(|| app.findings.covered(&run).ok()).flatten();
+            Ok(Some((covered, !run.state.state().is_final())))
+        });
+        found.await.ok().flatten()
     }
+}
+
+/// `GET /v1/runs/{id}/arena`.
+async fn arena(
+    State(app): State<App>,
+    FoundRun(run): FoundRun,
+    query: Query,
+) -> Result<Response, Refusal> {
+    let trains = query.word(&OF)? == Some("training");
+    app.blocking(move |app| {
+        let spec = app.findings.resolved(&run)?.run_spec();
+        let training = spec.controller.training.as_ref().filter(|_| trains);
+        let arena = training.map_or(&spec.arena, |training| &training.arena);
+        let text = super::arenas::text(arena)?;
+        Ok(([(CONTENT_TYPE, JSON)], text).into_response())
+    })
+    .await
 }
 
 /// `GET /v1/runs/{id}/learnt`.

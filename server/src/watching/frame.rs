@@ -90,15 +90,23 @@ pub fn frame(run: &Run) -> Bytes {
 /// What was entered of the target arena so far, and when first.
 pub fn squares(run: &Run) -> Bytes {
     let squares = Squares::of(&run.spec().arena);
-    let visits = run.visits();
+    covered(
+        run.counted_steps(),
+        &squares,
+        &run.visits(),
+        run.first_entry(),
+    )
+}
+
+/// The same of counts that were kept.
+pub fn covered(steps: u64, squares: &Squares, visits: &[u32], first: &[u64]) -> Bytes {
     let mut message = begin(SQUARES, 16 + visits.len() * 8);
-    message.put_f64_le(run.counted_steps() as f64);
+    message.put_f64_le(steps as f64);
     message.put_u32_le(squares.columns());
     message.put_u32_le(squares.rows());
-    for &count in &visits {
+    for &count in visits {
         message.put_u32_le(count);
     }
-    let first = run.first_entry();
     for square in 0..visits.len() {
         // 1 + steps, 0 for never.
         let first = first.get(square).copied().unwrap_or(0);

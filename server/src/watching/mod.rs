@@ -6,7 +6,7 @@ mod learnt;
 mod observer;
 mod window;
 
-pub use frame::{hello, waiting};
+pub use frame::{covered, hello, waiting};
 pub use learnt::shown;
 pub use observer::Watched;
 pub use window::{Answer, Viewer, Window};

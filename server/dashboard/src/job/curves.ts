@@ -19,7 +19,7 @@ export interface CurvesChart {
 /** `hidden` are labels that are not drawn, `zoom` the epochs that are. */
 export function curvesChart(hidden: Set<string>, zoom: [number, number] | null): CurvesChart {
   const text = h("p", { class: "quiet" });
-  const legend = h("ul", { class: "plain legend", "aria-label": "Groups" });
+  const legend = h("ul", { class: "plain legend", "aria-label": "Legend" });
   const chart = lineChart(
     "curves", "Curves of the groups; the list below has their last values",
     (x) => choose("zoom", x ? x.map((value) => Math.round(value)).join("-") : null), zoom,

@@ -98,7 +98,7 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
 
   let run: Run | null = null;
   let spec: RunSpec | null = null;
-  let arenas: { target: Arena | null; training: Arena | null } | null = null;
+  let arenas: { target: Arena; training: Arena } | null = null;
   let frame: Frame | null = null;
   let running = false;
   let rate = { at: 0, step: 0, pictures: 0 };
@@ -124,8 +124,7 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
     const where = frame?.isTraining ? arenas.training : arenas.target;
     const range = spec.sharing?.mode === "radio" ? (spec.sharing.range_m ?? null) : null;
     show(radio, range !== null);
-    if (where) picture.arena(where, spec.robot?.body_radius_m ?? 0.037, range);
-    show(picture.element, where !== null);
+    picture.arena(where, spec.robot?.body_radius_m ?? 0.037, range);
   };
   const showMoment = (f: Frame): void => {
     const now = performance.now();
@@ -217,7 +216,7 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
         spec = await read<RunSpec>(`/v1/runs/${id}/spec`, signal);
         number.max = String(spec.robots - 1);
         show(chooser, spec.robots > 1);
-        arenas = await arenasOf(spec, signal);
+        arenas = await arenasOf(id, spec, signal);
         if (run) showProgress(run.progress ?? null);
         showArena();
       }
@@ -268,20 +267,11 @@ async function fileTable(): Promise<RunFile[]> {
   return ((await import(/* @vite-ignore */ script)) as { FILES: RunFile[] }).FILES;
 }
 
-/** The arenas of a run: written out in its spec, or by their names. */
-async function arenasOf(spec: RunSpec, signal: AbortSignal): Promise<{ target: Arena | null; training: Arena | null }> {
-  const target = await arenaOf(spec.arena, signal);
-  const train = spec.controller.train?.arena;
-  return { target, training: train === undefined ? target : await arenaOf(train, signal) };
-}
-
-/** The walls of an arena that is not made of another. */
-async function arenaOf(arena: RunSpec["arena"], signal: AbortSignal): Promise<Arena | null> {
-  const found = typeof arena === "string"
-    ? await read<Arena>(`/v1/arenas/${encodeURIComponent(arena)}`, signal)
-    : arena;
-  if (!found.width_m || !found.height_m || !found.walls_m) return null;
-  return { ...found, starts: found.starts ?? [] } as Arena;
+/** The arenas of a run, their walls written out. */
+async function arenasOf(id: string, spec: RunSpec, signal: AbortSignal): Promise<{ target: Arena; training: Arena }> {
+  const target = await read<Arena>(`/v1/runs/${id}/arena`, signal);
+  const trains = spec.controller.train?.arena !== undefined;
+  return { target, training: trains ? await read<Arena>(`/v1/runs/${id}/arena?of=training`, signal) : target };
 }
 
 function rowsOf(run: Run, spec: RunSpec, coverage: Coverage): [string, string][] {

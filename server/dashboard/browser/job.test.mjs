@@ -1,0 +1,176 @@
+// A job's screen: the winner is the summary's, a view is a link, jobs are controlled, many runs.
+
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { assertWell, openPage, picture, startBrowser, startServer } from "./setup.mjs";
+
+let browser;
+let server;
+before(async () => {
+  [browser, server] = await Promise.all([startBrowser(), startServer()]);
+});
+after(async () => {
+  await browser?.close();
+  await server?.stop();
+});
+
+const SMALL = { arena: "easy", epochs: 20, steps_per_epoch: 200, controller: { method: "brownian" } };
+let three;
+
+test("the winner on the page is the winner of the summary, whatever page of runs is open", async () => {
+  // Ordered by the server so that each group's seeds lie together; the table of runs is sorted and
+  // filtered here, which must not change what is pooled.
+  three = await server.post("/v1/jobs", {
+    name: "three methods",
+    base: { ...SMALL, controller: { babbling_epochs: 1 }, epochs: 60 },
+    matrix: { "controller.method": ["brownian", "im", "ev-iter-c"] },
+    seeds: { first: 1, count: 10 },
+  });
+  assert.equal(await server.ended(three), "done");
+  const { page, wrong } = await openPage(browser, server);
+  await page.goto(`${server.url}/#/jobs/${three.id}`);
+  await page.locator(".legend li").nth(2).waitFor();
+  const { groups } = await server.read(`/v1/jobs/${three.id}/summary`);
+  const means = groups.map((group) => ({
+    label: group.label,
+    mean: group.measures.find((one) => one.name === "p1").mean,
+  }));
+  const check = async () => {
+    const shown = await page.locator(".legend li").allTextContents();
+    assert.equal(shown.length, 3);
+    for (const { label, mean } of means) {
+      const line = shown.find((text) => text.startsWith(label));
+      assert.ok(line, `${label} in ${shown}`);
+      assert.ok(line.includes("n 10"), line);
+      const value = Number(line.slice(label.length).trim().split(" ")[0].replaceAll(",", ""));
+      assert.ok(Math.abs(value - mean) <= 1, `${label}: ${value} shown, ${mean} pooled`);
+    }
+  };
+  await check();
+  const comparison = await server.read(`/v1/jobs/${three.id}/comparison?measure=p1`);
+  assert.equal(await page.locator(".verdict").textContent(), comparison.verdict);
+  assert.notEqual(comparison.verdict, "");
+  assert.equal(await page.locator("table.runs tbody tr").count(), 30);
+  await page.getByLabel("Filter runs").fill("brownian 1");
+  await check();
+  await assertWell(page, "job");
+  await picture(page, "job");
+  assert.deepEqual(wrong, []);
+  await page.close();
+});
+
+test("a link reproduces the view, and charts are taken along", async () => {
+  const { page, wrong } = await openPage(browser, server);
+  await page.goto(`${server.url}/#/jobs/${three.id}`);
+  await page.locator(".legend li").nth(2).waitFor();
+  await page.getByLabel("Measure").selectOption("p10");
+  await page.getByLabel("Scale").selectOption("log");
+  await page.getByLabel("single runs").check();
+  await page.locator(".legend input").first().uncheck();
+  await page.locator("summary", { hasText: "Coverage maps" }).click();
+  await page.locator(".maps figure").nth(2).waitFor();
+  await page.getByRole("button", { name: "seed", exact: true }).click();
+  const address = page.url();
+  for (const part of ["measure=p10", "scale=log", "runs=1", "hide=", "maps=1", "sort=seed"]) {
+    assert.ok(address.includes(part), `${part} in ${address}`);
+  }
+  const { page: other, wrong: otherWrong } = await openPage(browser, server);
+  await other.goto(address);
+  await other.locator(".maps figure").nth(2).waitFor();
+  assert.equal(await other.getByLabel("Measure").inputValue(), "p10");
+  assert.equal(await other.getByLabel("Scale").inputValue(), "log");
+  assert.ok(await other.getByLabel("single runs").isChecked());
+  assert.equal(await other.locator(".legend input").first().isChecked(), false);
+  assert.equal(await other.locator("th[aria-sort]").textContent(), "seed");
+  const verdict = (await server.read(`/v1/jobs/${three.id}/comparison?measure=p10`)).verdict;
+  await other.locator(".verdict", { hasText: verdict }).waitFor();
+  await assertWell(other, "job by a link");
+  for (const [name, kind, begins] of [
+    ["curves", "SVG", "<svg"], ["curves", "CSV", "group,epoch,n,mean"], ["differences", "SVG", "<svg"],
+    ["differences", "CSV", "pair,n"], ["p1", "SVG", "<svg"], ["p1", "CSV", "group,seed,run,p1"],
+  ]) {
+    const [download] = await Promise.all([
+      other.waitForEvent("download"),
+      other.getByRole("button", { name: `${name} as ${kind}`, exact: true }).click(),
+    ]);
+    const stream = await download.createReadStream();
+    const parts = [];
+    for await (const part of stream) parts.push(part);
+    const text = Buffer.concat(parts).toString();
+    assert.ok(text.startsWith(begins), `${name} as ${kind}: ${text.slice(0, 60)}`);
+  }
+  for (const name of ["curves", "differences", "map"]) {
+    const [download] = await Promise.all([
+      other.waitForEvent("download"),
+      other.getByRole("button", { name: `${name} as PNG`, exact: true }).first().click(),
+    ]);
+    const [first] = await (await download.createReadStream()).take(1).toArray();
+    assert.equal(first.subarray(1, 4).toString(), "PNG", name);
+  }
+  assert.deepEqual([...wrong, ...otherWrong], []);
+  await page.close();
+  await other.close();
+});
+
+test("a job is paused, resumed, cancelled, tried again, extended and cloned", async () => {
+  const { page, wrong } = await openPage(browser, server);
+  const job = await server.post("/v1/jobs", { name: "controlled", base: { ...SMALL, epochs: 1_000_000, seed: 9 } });
+  page.on("dialog", (dialog) => dialog.accept(dialog.type() === "prompt" ? "2" : undefined));
+  await page.goto(`${server.url}/#/jobs/${job.id}`);
+  const is = (state) => page.locator("article .head .badge", { hasText: state }).first().waitFor();
+  await is("running");
+  await page.getByRole("button", { name: "Pause" }).click();
+  await is("paused");
+  await page.getByRole("button", { name: "Resume" }).click();
+  await is("running");
+  await page.getByRole("button", { name: "Cancel" }).click();
+  await is("cancelled");
+  await assertWell(page, "cancelled job");
+  await page.getByRole("button", { name: "Try again" }).click();
+  await is("running");
+  await page.getByRole("button", { name: "More seeds" }).click();
+  await page.locator("article .facts", { hasText: "of 3 runs" }).waitFor();
+  await page.getByRole("button", { name: "Cancel" }).click();
+  await is("cancelled");
+  await page.getByRole("link", { name: "Clone" }).click();
+  await page.waitForFunction(() => document.querySelector("#document")?.value.includes("controlled"));
+  assert.equal(await page.getByLabel("Epochs", { exact: true }).inputValue(), "1000000");
+  assert.deepEqual(wrong, []);
+  await page.close();
+});
+
+test("a thousand runs in a hundred groups stay fluid", async () => {
+  const ten = Array.from({ length: 10 }, (_, n) => n + 1);
+  const job = await server.post("/v1/jobs", {
+    name: "a thousand runs",
+    base: { ...SMALL },
+    matrix: { epochs: ten, steps_per_epoch: ten.map((n) => 10 * n) },
+    seeds: { first: 1, count: 10 },
+  });
+  assert.equal(await server.ended(job), "done");
+  const { page, wrong } = await openPage(browser, server);
+  await page.addInitScript(() => {
+    window.longest = 0;
+    new PerformanceObserver((list) => {
+      for (const entry of list.getEntries()) window.longest = Math.max(window.longest, entry.duration);
+    }).observe({ entryTypes: ["longtask"] });
+  });
+  const start = Date.now();
+  await page.goto(`${server.url}/#/jobs/${job.id}`);
+  await page.locator(".legend li").nth(99).waitFor();
+  await page.locator(".pages", { hasText: "of 1,000 runs" }).waitFor();
+  const shown = Date.now() - start;
+  const loading = await page.evaluate(() => window.longest);
+  await page.evaluate(() => { window.longest = 0; });
+  await page.getByRole("button", { name: "p1", exact: true }).click();
+  await page.getByLabel("Filter runs").pressSequentially("steps_per_epoch 10", { delay: 20 });
+  await page.getByLabel("Groups", { exact: true }).selectOption("epochs");
+  await page.locator(".verdict:not(:empty)").waitFor();
+  const using = await page.evaluate(() => window.longest);
+  console.log(`1,000 runs in 100 groups: shown after ${shown} ms; longest task ${Math.round(loading)} ms loading, ${Math.round(using)} ms using`);
+  assert.ok(loading < 3_000 && using < 3_000, `${loading} ms, ${using} ms`);
+  await assertWell(page, "a thousand runs");
+  await picture(page, "thousand-runs");
+  assert.deepEqual(wrong, []);
+  await page.close();
+});
