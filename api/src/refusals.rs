@@ -124,10 +124,6 @@ pub const REFUSED: &[RefusedCase] = &[
         NothingLearnt,
     ),
     service(
-        "what a robot had learnt when its run was done",
-        FindingsNotKept,
-    ),
-    service(
         "a check of an arena or a job that is not valid",
         InvalidDocument,
     ),

@@ -55,7 +55,7 @@ test("a learner is watched: robots, what one senses and has learnt; paused, step
   await picture(page, "run");
   await page.getByRole("button", { name: "Pause" }).click();
   await page.locator("article .head .badge", { hasText: "paused" }).waitFor();
-  await page.locator("dd", { hasText: "its last checkpoint" }).waitFor();
+  await page.locator("dd", { hasText: "when its state was last saved" }).waitFor();
   await page.getByRole("button", { name: "One epoch" }).click();
   await page.locator("article .head .badge", { hasText: "paused" }).waitFor();
   await page.getByRole("button", { name: "Resume" }).click();

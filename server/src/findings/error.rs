@@ -12,6 +12,9 @@ pub enum FindingsError {
     /// What the run covered went with it.
     #[error("the run is {0}; what it covered is not kept")]
     NotKept(State),
+    /// Only the newest last states are kept.
+    #[error("the run is done; its last state is not kept any more")]
+    StateNotKept,
     /// It was deleted meanwhile.
     #[error("there is no run \"{0}\"")]
     RunGone(String),

@@ -1,5 +1,6 @@
 //! What was kept of a run that no worker holds, as those who watch it see it.
 
+use api::State;
 use api::learnt::Learnt;
 use arenas::Squares;
 use bytes::Bytes;
@@ -14,17 +15,23 @@ impl Assembler {
     /// it learns nothing or there is no such robot.
     ///
     /// # Errors
-    /// When the run has ended, or its checkpoint or spec cannot be used.
+    /// When its state is not kept, or its checkpoint or spec cannot be used.
     pub fn learnt(&self, run: &RunView, robot: u32) -> Result<Option<Learnt>, FindingsError> {
         let state = run.state.state();
-        if state.is_final() {
+        if matches!(state, State::Failed | State::Cancelled) {
             return Err(FindingsError::NotKept(state));
         }
         let spec = self.resolved(run)?;
         let broken = |why: String| FindingsError::broken(format!("run {}", run.id), why);
-        let opened = match self.store.checkpoints().read(&run.id)? {
+        let saved = match self.store.checkpoints().read(&run.id)? {
+            Some(saved) => Some(saved),
+            None if state == State::Done => self.store.finals().read(&run.id)?,
+            None => self.store.origins().read(&run.id)?,
+        };
+        let opened = match saved {
             Some(saved) => Run::restore(spec.run_spec(), &saved.snapshot)
                 .map_err(|error| broken(error.to_string()))?,
+            None if state == State::Done => return Err(FindingsError::StateNotKept),
             None => Run::new(spec.run_spec())
                 .map_err(|errors| broken(format!("its spec: {} fields", errors.len())))?,
         };

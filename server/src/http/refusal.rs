@@ -100,6 +100,7 @@ impl From<FindingsError> for Refusal {
     fn from(error: FindingsError) -> Self {
         let code = match error {
             FindingsError::NotKept(_) => ProblemCode::FindingsNotKept,
+            FindingsError::StateNotKept => ProblemCode::CheckpointNotKept,
             FindingsError::Comparison(_) | FindingsError::TooManyRuns(_) => {
                 ProblemCode::InvalidQuery
             }

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use api::ProblemCode::{FindingsNotKept, NothingLearnt, TooManyListeners};
+use api::ProblemCode::{CheckpointNotKept, FindingsNotKept, NothingLearnt, TooManyListeners};
 use api::learnt::Learnt;
 use axum::Json;
 use axum::body::Body;
@@ -80,14 +80,14 @@ pub fn routes() -> Routes {
         .get(
             "/runs/{id}/learnt",
             learnt,
-            Operation::new("getLearnt", "What a robot of an unfinished run has learnt")
+            Operation::new("getLearnt", "What a robot has learnt")
                 .details(
                     "At this moment where the run is being stepped, else as its last checkpoint \
-                     has it. The last state of a run that is done is not kept.",
+                     or its end has it.",
                 )
                 .query(&[ROBOT])
                 .shows::<Learnt>("The robot's learner.")
-                .refuses(&[NothingLearnt, FindingsNotKept]),
+                .refuses(&[NothingLearnt, FindingsNotKept, CheckpointNotKept]),
         )
 }
 

@@ -103,6 +103,7 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
   let running = false;
   let rate = { at: 0, step: 0, pictures: 0 };
   let isStale = true;
+  let asked = "";
 
   const chooseRobot = (next: number): void => {
     const most = (frame?.robots ?? spec?.robots ?? 1) - 1;
@@ -196,8 +197,14 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
   const asking = watch(
     LEARNT_EVERY_MS,
     async (signal) => {
-      const learns = frame?.learns ?? (run?.state === "paused" && spec !== null && !["brownian", "levy"].includes(spec.controller.method));
-      if (!learns || !run || ENDED.includes(run.state)) return;
+      if (!run || ["failed", "cancelled"].includes(run.state)) return;
+      // Whether there is something to ask for: the result of a run that is done has a model then.
+      const learns = run.state === "done"
+        ? run.result?.model != null
+        : (frame?.learns ?? (run.state === "paused" && spec !== null && !["brownian", "levy"].includes(spec.controller.method)));
+      const what = `${run.state} ${robot}`;
+      if (!learns || (!running && what === asked)) return;
+      asked = what;
       const learnt = await read<Learnt>(`/v1/runs/${id}/learnt?robot=${robot}`, signal);
       if (learnt.robot !== robot) return;
       table.draw(learnt);
@@ -298,7 +305,7 @@ function learnerRows(learnt: Learnt): [string, string][] {
   if (learnt.fitness != null) rows.push(["fitness of the parent", figure(learnt.fitness)]);
   rows.push(["memory", `${bytes(learnt.bytes)} of ${learnt.budget_bytes != null ? `${bytes(learnt.budget_bytes)} (budget)` : `at most ${bytes(learnt.most_bytes)}`}`]);
   if (learnt.clusters_saturated > 0) rows.push(["vectors without room", whole(learnt.clusters_saturated)]);
-  rows.push(["as of", learnt.is_live ? `step ${whole(learnt.arena_step)}` : `step ${whole(learnt.arena_step)}, its last checkpoint`]);
+  rows.push(["as of", learnt.is_live ? `step ${whole(learnt.arena_step)}` : `step ${whole(learnt.arena_step)}, when its state was last saved`]);
   return rows;
 }
 

@@ -107,7 +107,7 @@ async fn a_run_is_seen_and_asked_and_none_the_worse_for_it() {
     assert_eq!(arena.status, 200, "{:?}", arena.body);
     assert_eq!(arena.json()["walls_m"].as_array().unwrap().len(), 8);
 
-    // What has ended has no more pictures, and nobody who learns.
+    // What has ended has no more pictures, and what was learnt at its end.
     let mut over = Messages::of(&service, &run).await;
     assert_eq!(over.next().await.unwrap().0, 0);
     let (kind, covered) = over.next().await.unwrap();
@@ -117,8 +117,12 @@ async fn a_run_is_seen_and_asked_and_none_the_worse_for_it() {
         .count();
     assert_eq!((kind, json!(entered)), (2, result["p1"].clone()));
     assert_eq!(over.next().await, None);
-    let done = "what a robot had learnt when its run was done";
-    assert_refused(&service.get(&format!("{run}/learnt")).await, done);
+    let last = service.get(&format!("{run}/learnt?robot=1")).await.json();
+    assert_eq!(
+        (&last["is_live"], &last["phase"]),
+        (&json!(false), &json!("done"))
+    );
+    assert!(last["table"]["counts"].is_array(), "{last}");
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
@@ -168,6 +172,15 @@ async fn what_was_learnt_is_told_of_a_paused_run_and_refused_where_nothing_is() 
     let walker = only_run(&service, &walks).await;
     let nothing = "what a robot has learnt by a method that learns nothing";
     assert_refused(&service.get(&format!("{walker}/learnt")).await, nothing);
+    assert_eq!(
+        service
+            .ask("POST", &format!("{walker}/cancel"))
+            .await
+            .status,
+        200
+    );
+    let not_kept = "what a cancelled run covered";
+    assert_refused(&service.get(&format!("{walker}/learnt")).await, not_kept);
 }
 
 #[tokio::test]
