@@ -110,7 +110,7 @@ export async function barriers(page) {
 
 /** Screenshots go to this folder when it is named. */
 export async function picture(page, name) {
-  if (process.env.PICTURES) await page.screenshot({ path: join(process.env.PICTURES, `${name}.png`) });
+  if (process.env.PICTURES) await page.screenshot({ path: join(process.env.PICTURES, `dashboard-${name}.png`) });
 }
 
 /** That a screen has no barrier and nothing that stands out of the window. */

@@ -7,7 +7,7 @@ import type { Job, Page } from "../types";
 import { calm, trouble } from "../alert";
 import { compact, duration, percent, sentence, whole } from "../words";
 
-const EVERY_MS = 2_000;
+const EVERY_MS = 4_000;
 const A_PAGE = 50;
 
 export const title = (job: { id: string; name: string }): string => job.name || `Job ${job.id}`;
