@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use api::ProblemCode::{CheckpointNotKept, FindingsNotKept, NothingLearnt, TooManyListeners};
+use api::State::{Cancelled, Failed};
 use api::learnt::Learnt;
 use axum::Json;
 use axum::body::Body;
@@ -227,7 +228,10 @@ async fn learnt(
         .number(&ROBOT)?
         .and_then(|robot| robot.try_into().ok());
     let robot: u32 = robot.unwrap_or(0);
-    let learnt = match app.scheduler.ask(run.seq, robot) {
+    // A worker may still hold a run that was cancelled.
+    let is_kept = !matches!(run.state.state(), Failed | Cancelled);
+    let asked = is_kept.then(|| app.scheduler.ask(run.seq, robot)).flatten();
+    let learnt = match asked {
         Some(answer) => match tokio::time::timeout(ANSWER, answer).await {
             Ok(Ok(learnt)) => learnt.map(|learnt| *learnt),
             _ => opened(app, run.clone(), robot).await?,
