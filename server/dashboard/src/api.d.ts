@@ -344,6 +344,46 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/checks/arena": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * What an arena is like, without storing it
+         * @description Reach and gates are those of the default robot, from all starts.
+         */
+        post: operations["checkArena"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/checks/job": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * What a job would take, without storing it
+         * @description Runs, robot-steps, memory, and about how long: by what runs of the same methods and engines took here, where there are any.
+         */
+        post: operations["checkJob"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/controllers": {
         parameters: {
             query?: never;
@@ -466,6 +506,23 @@ export interface paths {
         };
         /** A job's groups against each other, as text */
         get: operations["compareJobMd"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/jobs/{id}/coverage": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Where the runs of a group went, pooled */
+        get: operations["getJobCoverage"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1178,6 +1235,46 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/runs/{id}/frames": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Where the robots of a run are, again and again
+         * @description A stream of binary messages, at most some 33 pictures a second, of any run; a slow reader misses pictures. `docs/live-frames.md` has the layout. It ends when the run does.
+         */
+        get: operations["watchRun"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/runs/{id}/learnt": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * What a robot has learnt
+         * @description At this moment where the run is being stepped, else as its last checkpoint or its end has it.
+         */
+        get: operations["getLearnt"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/runs/{id}/log": {
         parameters: {
             query?: never;
@@ -1499,6 +1596,17 @@ export interface components {
             /** @description Extent along x, metres. */
             width_m: number;
         } | unknown | unknown;
+        /** @description A valid arena: what robots of the default preset can reach in it. */
+        ArenaCheck: {
+            /** @description Its figures. */
+            arena: components["schemas"]["ArenaListing"];
+            /** @description Gates about as wide as the robot, from the narrowest; at most 100. */
+            gates: components["schemas"]["GateCheck"][];
+            /** @description A text for each row of squares, the lowest y first, with a letter for each square: `1` within reach of one of the starts, `0` not. */
+            reachable_rows: string[];
+            /** @description Inner walls, generated ones too: x1, y1, x2, y2, metres; at most 10,000. */
+            walls_m: number[][];
+        };
         /** @description `GET /v1/arenas`. */
         ArenaList: {
             /** @description Those that ship with the program, then uploaded ones by name. */
@@ -2077,6 +2185,26 @@ export interface components {
              */
             p5: number;
         };
+        /** @description A gate about as wide as a robot. */
+        GateCheck: {
+            /** @description Whether the robot passes. */
+            is_open: boolean;
+            /**
+             * Format: double
+             * @description Width, metres.
+             */
+            width_m: number;
+            /**
+             * Format: double
+             * @description Its middle, metres.
+             */
+            x_m: number;
+            /**
+             * Format: double
+             * @description Its middle, metres.
+             */
+            y_m: number;
+        };
         /** @description Walls from a seed: the same on every machine. */
         Generate: {
             /**
@@ -2194,6 +2322,34 @@ export interface components {
                 [key: string]: unknown;
             };
         };
+        /** @description Where the runs of a group of a job went, over its arena. */
+        GroupCoverage: {
+            /** @description Place of the group among the job's, from 0. */
+            group: number;
+            /** @description Groups of the job. */
+            groups: number;
+            /** @description Id of the job. */
+            job_id: string;
+            /** @description What the group's runs have in common. */
+            label: string;
+            /** @description Mean entries of each square, in the same order. */
+            mean_entries: number[][];
+            /**
+             * Format: double
+             * @description Mean of the squares that a run entered.
+             */
+            mean_squares: number;
+            /** @description Finished runs that are pooled. */
+            n: number;
+            /** @description Runs that entered each square, row by row, the lowest y first. */
+            runs: number[][];
+            /** @description Version of this document. */
+            schema: number;
+            /** @description Columns and rows of squares. */
+            squares: number[];
+            /** @description Squares that some run of the group entered. */
+            union_squares: number;
+        };
         /** @description The curves of a group; lists have an entry for each abscissa. */
         GroupCurves: {
             /** @description Upper end. */
@@ -2275,6 +2431,30 @@ export interface components {
             runs: components["schemas"]["RunCounts"];
             /** @description Where it is in its life. */
             state: components["schemas"]["State"];
+        };
+        /** @description A valid job: what it would take. */
+        JobCheck: {
+            /** @description Combinations of what varies, each with its seeds. */
+            combinations: number;
+            /** @description Whether that is by runs of the same methods and engines that this server has done; else some cost was assumed. */
+            is_measured: boolean;
+            /** @description Most bytes that a robot's learner may hold at any moment. */
+            learner_bytes: number;
+            /** @description Robot-steps of all runs. */
+            robot_steps: number;
+            /** @description Most robots of a run. */
+            robots: number;
+            /** @description About how many bytes the largest run holds. */
+            run_bytes: number;
+            /** @description Runs. */
+            runs: number;
+            /**
+             * Format: double
+             * @description About how long all runs take, without others beside them, seconds.
+             */
+            time_s: number;
+            /** @description Runs that are stepped at a time. */
+            workers: number;
         };
         /** @description The curves of every group, at the same abscissae. */
         JobCurves: {
@@ -2359,6 +2539,57 @@ export interface components {
             schema: number;
             /** @description What sharing changes; empty where `sharing.mode` does not vary or lacks `none`. */
             sharing: components["schemas"]["Sharing"][];
+        };
+        /** @description A robot's learner at a moment. */
+        Learnt: {
+            /** @description Clusters of commands so far; actions, where there is a table. */
+            actuator_clusters: number;
+            /** @description Steps of the arena since the run began, all phases. */
+            arena_step: number;
+            /** @description The spec's bound on them, where it has one. */
+            budget_bytes: number | null;
+            /** @description Bytes that the learner holds. */
+            bytes: number;
+            /** @description Vectors that found no room for a cluster of their own. */
+            clusters_saturated: number;
+            /**
+             * Format: double
+             * @description Fitness of the parent genome, once it was evaluated; in evolution alone.
+             */
+            fitness: number | null;
+            /** @description Whether this is the present moment of a run that is being stepped; else it is that of its last checkpoint. */
+            is_live: boolean;
+            /** @description Most bytes that it may hold at any moment. */
+            most_bytes: number;
+            /** @description What the run is doing. */
+            phase: string;
+            /** @description Number of the robot, from 0. */
+            robot: number;
+            /** @description Clusters of sensor vectors so far; states, where there is a table. */
+            sensor_clusters: number;
+            /** @description Clusters of sensori-motor vectors so far, where an objective is over them. */
+            sensori_motor_clusters: number | null;
+            /** @description The transition table; none before the robot has one. */
+            table: components["schemas"]["LearntTable"] | null;
+        };
+        /** @description A transition table. Lists of lists have a list for each state, with a value for each action. */
+        LearntTable: {
+            /** @description The action that it chose last. */
+            action: number;
+            /** @description Commands of each action, left and right. */
+            actions: number[][];
+            /** @description Tries of an action in a state that are remembered. */
+            counts: number[][];
+            /** @description Q: entropy of what followed, nats. */
+            entropy: number[][];
+            /** @description What actions are chosen by (equation 4.9); none for an action never tried. */
+            score: (number | null)[][];
+            /** @description The state that the robot is in. */
+            state: number;
+            /** @description Sensor values of each state, as the learner sees them. */
+            states: number[][];
+            /** @description States in all; of a large table lists hold the first alone, as many as make 250,000 values. */
+            states_total: number;
         };
         /** @description Which squares a test compares. */
         Level: "p1" | "p10";
@@ -3688,6 +3919,26 @@ export interface components {
                 "application/problem+json": components["schemas"]["Problem"] & {
                     /** @enum {unknown} */
                     code?: "findings-not-kept";
+                    /** @constant */
+                    status?: 409;
+                };
+            };
+        };
+        /**
+         * @description `findings-not-kept`: A run that failed or was cancelled keeps nothing of what it found.
+         *
+         *     `nothing-learnt`: Its method learns nothing, or the run has no such robot.
+         *
+         *     `checkpoint-not-kept`: A run that has not begun has no state to go on from, and of one that has ended its last state is kept only while there is room.
+         */
+        "findings-not-kept.nothing-learnt.checkpoint-not-kept": {
+            headers: {
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"] & {
+                    /** @enum {unknown} */
+                    code?: "findings-not-kept" | "nothing-learnt" | "checkpoint-not-kept";
                     /** @constant */
                     status?: 409;
                 };
@@ -5186,6 +5437,76 @@ export interface operations {
             503: components["responses"]["overloaded.answer-too-slow"];
         };
     };
+    checkArena: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Arena"];
+            };
+        };
+        responses: {
+            /** @description The arena is valid. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ArenaCheck"];
+                };
+            };
+            400: components["responses"]["invalid-request.invalid-header.invalid-query.invalid-json"];
+            401: components["responses"]["token-needed"];
+            403: components["responses"]["read-only-token.foreign-host.foreign-origin"];
+            408: components["responses"]["body-too-slow"];
+            413: components["responses"]["body-too-large"];
+            415: components["responses"]["not-said-to-be-json"];
+            422: components["responses"]["invalid-document"];
+            429: components["responses"]["too-many-attempts"];
+            500: components["responses"]["internal"];
+            503: components["responses"]["overloaded.answer-too-slow"];
+            507: components["responses"]["store-full"];
+        };
+    };
+    checkJob: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["JobSpec"];
+            };
+        };
+        responses: {
+            /** @description The job is valid. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["JobCheck"];
+                };
+            };
+            400: components["responses"]["invalid-request.invalid-header.invalid-query.invalid-json"];
+            401: components["responses"]["token-needed"];
+            403: components["responses"]["read-only-token.foreign-host.foreign-origin"];
+            408: components["responses"]["body-too-slow"];
+            413: components["responses"]["body-too-large"];
+            415: components["responses"]["not-said-to-be-json"];
+            422: components["responses"]["invalid-document"];
+            429: components["responses"]["too-many-attempts"];
+            500: components["responses"]["internal"];
+            503: components["responses"]["overloaded.answer-too-slow"];
+            507: components["responses"]["store-full"];
+        };
+    };
     listControllers: {
         parameters: {
             query?: never;
@@ -5625,6 +5946,66 @@ export interface operations {
                 };
                 content: {
                     "text/markdown; charset=utf-8": unknown;
+                };
+            };
+            304: components["responses"]["NotModified"];
+            400: components["responses"]["invalid-request.invalid-header.invalid-query"];
+            401: components["responses"]["token-needed"];
+            403: components["responses"]["foreign-host"];
+            404: components["responses"]["job-not-found"];
+            408: components["responses"]["body-too-slow"];
+            413: components["responses"]["body-too-large"];
+            416: components["responses"]["range-not-satisfiable"];
+            429: components["responses"]["too-many-attempts"];
+            500: components["responses"]["internal.damaged"];
+            503: components["responses"]["overloaded.answer-too-slow"];
+        };
+    };
+    getJobCoverage: {
+        parameters: {
+            query?: {
+                /** @description Place of the group among those of the job or of `by`, from 0. */
+                group?: number;
+                /** @description Dotted path of the run spec whose values are the groups; else each combination is one. */
+                by?: string;
+            };
+            header?: {
+                /** @description Tags of answers that the client has: where one is this answer's, 304 is answered. */
+                "If-None-Match"?: string;
+                /** @description `bytes=first-last`, `bytes=first-` or `bytes=-count`: 206 with these bytes. Several ranges at once are answered with all. */
+                Range?: string;
+            };
+            path: {
+                /** @description Id of a job. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The coverage of what is done. */
+            200: {
+                headers: {
+                    "Accept-Ranges": components["headers"]["AcceptRanges"];
+                    "Cache-Control": components["headers"]["CacheControl"];
+                    ETag: components["headers"]["ETag"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["GroupCoverage"];
+                };
+            };
+            /** @description The bytes that `Range` asks for. */
+            206: {
+                headers: {
+                    "Accept-Ranges": components["headers"]["AcceptRanges"];
+                    "Cache-Control": components["headers"]["CacheControl"];
+                    "Content-Range": components["headers"]["ContentRange"];
+                    ETag: components["headers"]["ETag"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": unknown;
                 };
             };
             304: components["responses"]["NotModified"];
@@ -7532,6 +7913,97 @@ export interface operations {
             500: components["responses"]["internal.damaged"];
             503: components["responses"]["overloaded.answer-too-slow"];
             507: components["responses"]["store-full"];
+        };
+    };
+    watchRun: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a run: SHA-256 of its spec, its arenas and the version of results, in hex. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A stream of at most an hour. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/octet-stream": unknown;
+                };
+            };
+            400: components["responses"]["invalid-request.invalid-header.invalid-query"];
+            401: components["responses"]["token-needed"];
+            403: components["responses"]["foreign-host"];
+            404: components["responses"]["run-not-found"];
+            408: components["responses"]["body-too-slow"];
+            413: components["responses"]["body-too-large"];
+            429: components["responses"]["too-many-attempts"];
+            500: components["responses"]["internal.damaged"];
+            503: components["responses"]["overloaded.answer-too-slow.too-many-listeners"];
+        };
+    };
+    getLearnt: {
+        parameters: {
+            query?: {
+                /** @description Number of the robot, from 0. */
+                robot?: number;
+            };
+            header?: {
+                /** @description Tags of answers that the client has: where one is this answer's, 304 is answered. */
+                "If-None-Match"?: string;
+                /** @description `bytes=first-last`, `bytes=first-` or `bytes=-count`: 206 with these bytes. Several ranges at once are answered with all. */
+                Range?: string;
+            };
+            path: {
+                /** @description Id of a run: SHA-256 of its spec, its arenas and the version of results, in hex. */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The robot's learner. */
+            200: {
+                headers: {
+                    "Accept-Ranges": components["headers"]["AcceptRanges"];
+                    "Cache-Control": components["headers"]["CacheControl"];
+                    ETag: components["headers"]["ETag"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Learnt"];
+                };
+            };
+            /** @description The bytes that `Range` asks for. */
+            206: {
+                headers: {
+                    "Accept-Ranges": components["headers"]["AcceptRanges"];
+                    "Cache-Control": components["headers"]["CacheControl"];
+                    "Content-Range": components["headers"]["ContentRange"];
+                    ETag: components["headers"]["ETag"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": unknown;
+                };
+            };
+            304: components["responses"]["NotModified"];
+            400: components["responses"]["invalid-request.invalid-header.invalid-query"];
+            401: components["responses"]["token-needed"];
+            403: components["responses"]["foreign-host"];
+            404: components["responses"]["run-not-found"];
+            408: components["responses"]["body-too-slow"];
+            409: components["responses"]["findings-not-kept.nothing-learnt.checkpoint-not-kept"];
+            413: components["responses"]["body-too-large"];
+            416: components["responses"]["range-not-satisfiable"];
+            429: components["responses"]["too-many-attempts"];
+            500: components["responses"]["internal.damaged"];
+            503: components["responses"]["overloaded.answer-too-slow"];
         };
     };
     getRunLog: {
