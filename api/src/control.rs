@@ -63,6 +63,7 @@ pub struct RunLog {
 #[serde(deny_unknown_fields)]
 pub struct Fork {
     /// The counted epochs that the state must have complete; any when it is not given.
+    #[schemars(range(max = MAX_MORE_EPOCHS))]
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub epoch: Option<u32>,
     /// What is changed: dotted paths into the run spec, and values.

@@ -11,6 +11,7 @@ data=$(mktemp -d)
 server=
 trap 'test -z "$server" || kill "$server" 2>/dev/null || true; wait; rm -rf "$data"' EXIT
 
+: >"$data/said"
 "$evswarm" serve --listen 127.0.0.1:0 --data "$data/store" --threads 1 >"$data/said" 2>"$data/log" &
 server=$!
 url=

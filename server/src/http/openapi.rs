@@ -40,12 +40,13 @@ pub fn text(described: &[Described]) -> String {
 
 /// The document.
 pub fn document(described: &[Described]) -> Value {
-    let settings = SchemaSettings::draft2020_12().for_serialize().with(|it| {
+    let settings = SchemaSettings::draft2020_12().with(|it| {
         it.definitions_path = "/components/schemas".into();
         it.meta_schema = None;
     });
     let mut parts = Parts {
-        schemas: settings.into_generator(),
+        schemas: settings.clone().for_serialize().into_generator(),
+        taken: settings.for_deserialize().into_generator(),
         responses: BTreeMap::new(),
     };
     let mut paths: BTreeMap<&str, Map<String, Value>> = BTreeMap::new();
@@ -70,7 +71,9 @@ pub fn document(described: &[Described]) -> Value {
     );
     // Types that no answer refers to, but whoever reads streams needs.
     parts.schema(Shape::of::<api::events::Event>());
-    let mut definitions = parts.schemas.take_definitions(true);
+    // No type is both taken and answered with, so that each has one schema.
+    let mut definitions = parts.taken.take_definitions(true);
+    definitions.extend(parts.schemas.take_definitions(true));
     for (_, schema) in &mut definitions {
         tidy(schema);
     }
@@ -117,22 +120,17 @@ const ABOUT: &str = "Names, units and limits are those of the README. Problems a
 
 /// What is gathered on the way.
 struct Parts {
+    /// Of what is answered: fields that are always there are required.
     schemas: SchemaGenerator,
+    /// Of bodies that are taken: fields that have a default are not.
+    taken: SchemaGenerator,
     /// Answers with problems by name.
     responses: BTreeMap<String, Vec<ProblemCode>>,
 }
 
 impl Parts {
     fn schema(&mut self, shape: Shape) -> Value {
-        match shape {
-            Shape::Type(schema) => {
-                let mut schema = schema(&mut self.schemas).to_value();
-                tidy(&mut schema);
-                schema
-            }
-            Shape::Document(name) => json!({ "$ref": format!("{SCHEMAS}{name}") }),
-            Shape::Any => json!({}),
-        }
+        shown(shape, &mut self.schemas)
     }
 
     /// A reference to the answer with one of these problems, which have the same status.
@@ -142,6 +140,18 @@ impl Parts {
         let reference = json!({ "$ref": format!("#/components/responses/{name}") });
         self.responses.insert(name, codes.to_vec());
         reference
+    }
+}
+
+fn shown(shape: Shape, schemas: &mut SchemaGenerator) -> Value {
+    match shape {
+        Shape::Type(schema) => {
+            let mut schema = schema(schemas).to_value();
+            tidy(&mut schema);
+            schema
+        }
+        Shape::Document(name) => json!({ "$ref": format!("{SCHEMAS}{name}") }),
+        Shape::Any => json!({}),
     }
 }
 
@@ -186,7 +196,7 @@ fn operation(route: &Described, parts: &mut Parts) -> Value {
     if let Some(shape) = operation.body {
         told["requestBody"] = json!({
             "required": true,
-            "content": { "application/json": { "schema": parts.schema(shape) } },
+            "content": { "application/json": { "schema": shown(shape, &mut parts.taken) } },
         });
     }
     if operation.takes_bytes {

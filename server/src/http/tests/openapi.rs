@@ -47,6 +47,32 @@ fn sources() -> Vec<(String, String)> {
 }
 
 #[test]
+fn what_is_taken_and_what_is_answered_have_schemas_of_their_own() {
+    let document = openapi::document(&described());
+    let schemas = &document["components"]["schemas"];
+    // A field with a default may be left out by clients, but never is by the server.
+    assert_eq!(schemas["Fork"].get("required"), None);
+    let required = schemas["RunSummary"]["required"].as_array().unwrap();
+    assert!(required.contains(&json!("label")) && required.contains(&json!("result")));
+    assert_eq!(schemas["Problem"]["required"].as_array().unwrap().len(), 4);
+    let types = |posts: bool| {
+        let mut names = BTreeSet::new();
+        for methods in document["paths"].as_object().unwrap().values() {
+            for operation in methods.as_object().unwrap().values() {
+                let part = if posts { "requestBody" } else { "responses" };
+                for reference in operation[part].to_string().split("schemas/").skip(1) {
+                    names.insert(reference.split('"').next().unwrap().to_owned());
+                }
+            }
+        }
+        names
+    };
+    let both: Vec<String> = types(true).intersection(&types(false)).cloned().collect();
+    // Documents that people write are shown as they are taken.
+    assert_eq!(both, ["Arena", "JobSpec"]);
+}
+
+#[test]
 fn no_route_comes_without_a_description() {
     // Only `Routes` hands anything to axum's router, and it takes a description with each route.
     for (name, text) in sources() {
