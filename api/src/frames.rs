@@ -59,7 +59,7 @@ macro_rules! shared_type {
                     type_name: $type_name.to_owned(),
                     size_bytes: size_of::<Self>(),
                     alignment_bytes: align_of::<Self>(),
-                    fields: vec![$(FieldLayout {
+                    fields: vec![$($crate::frames::FieldLayout {
                         name: stringify!($field).to_owned(),
                         kind: stringify!($kind).to_owned(),
                         offset_bytes: std::mem::offset_of!(Self, $field),
@@ -70,6 +70,8 @@ macro_rules! shared_type {
         }
     };
 }
+
+pub(crate) use shared_type;
 
 shared_type! {
     /// One robot in a frame.

@@ -80,7 +80,7 @@ pub struct RunSummary {
     pub progress: Option<Progress>,
     /// What it found; null until it is done.
     pub result: Option<RunResult>,
-    /// Why it failed; null unless it did.
+    /// Why it failed, or what it waits for where it paused by itself; null otherwise.
     pub error: Option<String>,
     /// The state of another run that it goes on from; null where it starts at its beginning. Its id
     /// is then made of its spec and of the digest of that state.

@@ -3,6 +3,7 @@
 //! and a channel that cannot be opened is a warning.
 
 mod extent;
+mod external;
 mod ports;
 mod room;
 mod slot;
@@ -24,6 +25,7 @@ use swarm::world::{Bodies, Body, Objects};
 
 use crate::runner::{Ended, Observer, Stop};
 pub use extent::Extent;
+pub use external::{AskError, External, Lookout};
 pub use ports::ChannelError;
 use ports::{HISTORY, MAX_SUBSCRIBERS, Ports, subscriber_buffer};
 use slot::{Frame, Slot};

@@ -260,7 +260,7 @@ impl Ports {
 }
 
 /// Creates the root folder, closed to other users if it is new.
-fn create_private_folder(root: &Path) -> Result<(), ChannelError> {
+pub(super) fn create_private_folder(root: &Path) -> Result<(), ChannelError> {
     let mut builder = std::fs::DirBuilder::new();
     builder.recursive(true);
     #[cfg(unix)]

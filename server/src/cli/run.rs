@@ -14,9 +14,9 @@ use super::out::Out;
 use super::progress::Meter;
 use super::{Failure, output};
 use crate::artifacts::{self, Finished, Timing};
-use crate::channels::{ChannelSettings, Extent, FramePublisher};
+use crate::channels::{ChannelSettings, Extent, External, FramePublisher};
 use crate::documents::{self, BuiltinArenas, ResolvedRun};
-use crate::runner::{self, Checkpoints, Ended, MemoryBound};
+use crate::runner::{self, Checkpoints, Ended, MemoryBound, Pilot, Waits};
 use crate::scheduler::findings_of;
 use crate::stop::Stop;
 
@@ -70,7 +70,7 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let frames = open_frames(&spec);
     let most = arguments.run_memory_bytes;
     let most = most.unwrap_or_else(|| runner::default_run_memory_bytes(NonZeroUsize::MIN));
-    let Some(outcome) = finish(&mut work, &checkpoint, frames, most, &stop)? else {
+    let Some(outcome) = finish(&mut work, &spec, &checkpoint, frames, most, &stop)? else {
         return Err(anyhow!("interrupted; the same command goes on from here").into());
     };
     let Spent { wall_s, cpu_s } = work.costs.spent();
@@ -205,6 +205,7 @@ fn open_frames(spec: &ResolvedRun) -> Option<FramePublisher> {
 /// Steps the run to its end; `None` when stopped on the way, with a checkpoint made.
 fn finish(
     work: &mut Work,
+    spec: &ResolvedRun,
     checkpoint: &Arc<Checkpoint>,
     mut frames: Option<FramePublisher>,
     run_memory_bytes: u64,
@@ -218,6 +219,8 @@ fn finish(
     );
     let Work { run, costs } = work;
     let mut memory = MemoryBound::new(run_memory_bytes);
+    let mut patient = Patient::open(spec, stop)?;
+    let pilot = patient.as_mut().map(|patient| patient as &mut dyn Pilot);
     let mut checkpoints = Checkpoints::new(|run: &Run| (run.snapshot(), costs.spent()), {
         let checkpoint = Arc::clone(checkpoint);
         move |(snapshot, spent): (Vec<u8>, Spent)| {
@@ -226,8 +229,9 @@ fn finish(
             }
         }
     });
-    let ended = runner::step(
+    let ended = runner::step_by(
         run,
+        pilot,
         &|| stop.is_asked(),
         &mut [&mut memory, &mut meter, &mut frames, &mut checkpoints],
     );
@@ -237,7 +241,59 @@ fn finish(
             checkpoint.save(&run.snapshot(), costs.spent())?;
             Ok(None)
         }
+        Ended::Waiting(waits) => {
+            checkpoint.save(&run.snapshot(), costs.spent())?;
+            Err(anyhow!("{}; the same command goes on from here", waits.why))
+        }
         Ended::Failed(reason) => Err(anyhow!(reason)),
+    }
+}
+
+/// Waits for the programs that steer a run for as long as it takes.
+struct Patient<'a> {
+    external: External,
+    stop: &'a Stop,
+    has_said: bool,
+}
+
+impl<'a> Patient<'a> {
+    /// `None` where robots steer themselves.
+    fn open(spec: &ResolvedRun, stop: &'a Stop) -> anyhow::Result<Option<Self>> {
+        let root = ChannelSettings::default().root;
+        let external = External::open(&root, &spec.key(), &spec.run_spec())?;
+        if external.is_some() {
+            tracing::info!("run {} asks its controllers on this machine", spec.key());
+        }
+        Ok(external.map(|external| Self {
+            external,
+            stop,
+            has_said: false,
+        }))
+    }
+}
+
+impl Pilot for Patient<'_> {
+    fn steer(&mut self, run: &mut Run) -> Result<(), runner::Stop> {
+        loop {
+            match self.external.steer(run) {
+                Ok(()) => {
+                    self.has_said = false;
+                    return Ok(());
+                }
+                Err(_) if self.stop.is_asked() => return Err(runner::Stop::LetGo),
+                Err(error) if error.may_pass() => {
+                    if !std::mem::replace(&mut self.has_said, true) {
+                        tracing::warn!("step {}: {error}; waiting", run.step());
+                    }
+                }
+                Err(error) => {
+                    return Err(runner::Stop::Wait(Waits {
+                        why: error.to_string(),
+                        for_controllers: false,
+                    }));
+                }
+            }
+        }
     }
 }
 

@@ -56,7 +56,7 @@ pub fn run(view: &RunView, scheduler: &Scheduler) -> RunSummary {
         result: view.result().cloned(),
         error: match &view.state {
             RunState::Failed { reason } | RunState::Damaged { reason } => Some(reason.clone()),
-            _ => None,
+            _ => view.waits.clone(),
         },
         origin: view.origin.clone(),
     }

@@ -2,7 +2,10 @@
 
 use std::time::{Duration, Instant};
 
-use swarm::run::{Progress, Run};
+use swarm::run::{Phase, Progress, Run};
+
+use super::observer::Stop;
+use super::pilot::Pilot;
 
 /// How long a block of steps should take: short enough for frames, for progress and for a prompt
 /// stop.
@@ -28,6 +31,30 @@ impl Block {
         let progress = run.advance(steps);
         self.resize(steps, start.elapsed());
         progress
+    }
+
+    /// As [`Block::advance`], steered before each step.
+    ///
+    /// # Errors
+    /// Why the pilot wants no more steps.
+    pub fn fly(
+        &mut self,
+        run: &mut Run,
+        most: u64,
+        pilot: &mut dyn Pilot,
+    ) -> Result<Progress, Stop> {
+        let start = Instant::now();
+        let steps = self.steps.min(most);
+        let mut progress = run.progress();
+        for _ in 0..steps {
+            if progress.phase == Phase::Done {
+                break;
+            }
+            pilot.steer(run)?;
+            progress = run.advance(1);
+        }
+        self.resize(steps, start.elapsed());
+        Ok(progress)
     }
 
     /// To the pace of the last block. At most doubles or halves, so that one odd block does not

@@ -7,6 +7,7 @@ mod memory;
 mod observer;
 mod pace;
 mod pause;
+mod pilot;
 #[cfg(test)]
 mod tests;
 
@@ -15,9 +16,10 @@ use swarm::run::{Phase, Run};
 use block::Block;
 pub use checkpoints::Checkpoints;
 pub use memory::{MemoryBound, default_run_memory_bytes};
-pub use observer::{Ended, Observer, Stop};
+pub use observer::{Ended, Observer, Stop, Waits};
 pub use pace::Pace;
 pub use pause::PauseAt;
+pub use pilot::Pilot;
 
 /// Steps a run to its end, until `is_stopping` says so between two blocks, or until an observer
 /// stops it. Observers are asked in their order.
@@ -26,7 +28,17 @@ pub fn step(
     is_stopping: &dyn Fn() -> bool,
     observers: &mut [&mut dyn Observer],
 ) -> Ended {
-    let ended = match blocks(run, is_stopping, observers) {
+    step_by(run, None, is_stopping, observers)
+}
+
+/// As [`step`], with a pilot that steers the robots.
+pub fn step_by(
+    run: &mut Run,
+    pilot: Option<&mut dyn Pilot>,
+    is_stopping: &dyn Fn() -> bool,
+    observers: &mut [&mut dyn Observer],
+) -> Ended {
+    let ended = match blocks(run, pilot, is_stopping, observers) {
         Ok(ended) => ended,
         Err(stop) => stop.into(),
     };
@@ -38,6 +50,7 @@ pub fn step(
 
 fn blocks(
     run: &mut Run,
+    mut pilot: Option<&mut dyn Pilot>,
     is_stopping: &dyn Fn() -> bool,
     observers: &mut [&mut dyn Observer],
 ) -> Result<Ended, Stop> {
@@ -59,7 +72,10 @@ fn blocks(
             .filter_map(|observer| observer.next_step_wanted(step))
             .min();
         let most = wanted.map_or(u64::MAX, |wanted| wanted.saturating_sub(step).max(1));
-        progress = block.advance(run, most);
+        progress = match &mut pilot {
+            None => block.advance(run, most),
+            Some(pilot) => block.fly(run, most, *pilot)?,
+        };
         for observer in observers.iter_mut() {
             observer.after_block(run, &progress)?;
         }

@@ -60,8 +60,19 @@ impl<O: Observer> Observer for Option<O> {
 pub enum Stop {
     /// Enough for now: the run can go on later.
     LetGo,
+    /// Not now, for a reason that may pass or not.
+    Wait(Waits),
     /// The run cannot go on, for this reason.
     Fail(String),
+}
+
+/// What a run waits for that its pilot does not steer.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Waits {
+    /// In words.
+    pub why: String,
+    /// Whether it can go on as soon as its controllers are there; else somebody must say so.
+    pub for_controllers: bool,
 }
 
 /// How stepping ended.
@@ -71,6 +82,8 @@ pub enum Ended {
     Done,
     /// Someone asked for it; the run can go on from where it is.
     Stopped,
+    /// Its pilot steers no more; the run can go on from where it is.
+    Waiting(Waits),
     /// The run cannot go on, for this reason.
     Failed(String),
 }
@@ -79,6 +92,7 @@ impl From<Stop> for Ended {
     fn from(stop: Stop) -> Self {
         match stop {
             Stop::LetGo => Ended::Stopped,
+            Stop::Wait(waits) => Ended::Waiting(waits),
             Stop::Fail(reason) => Ended::Failed(reason),
         }
     }

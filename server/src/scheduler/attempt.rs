@@ -10,9 +10,9 @@ use swarm::run::{Progress, Run};
 use super::SchedulerConfig;
 use super::live::{LiveRun, Views, findings_of};
 use crate::artifacts::{run_result, thread_cpu_s};
-use crate::channels::{Extent, FramePublisher};
+use crate::channels::{AskError, Extent, External, FramePublisher};
 use crate::documents::{ResolvedRun, parse, resolve};
-use crate::runner::{self, Checkpoints, MemoryBound, PauseAt};
+use crate::runner::{self, Checkpoints, MemoryBound, PauseAt, Pilot, Stop, Waits};
 use crate::store::{Checkpoint, ClaimedRun, Finished, Position, Store};
 use crate::watching::Watched;
 
@@ -20,8 +20,8 @@ use crate::watching::Watched;
 pub enum Ended {
     /// The run is done; with its last state, where that is to be kept.
     Finished(Box<Finished>, Vec<u8>),
-    /// The worker was asked to let go.
-    Stopped(Box<Run>),
+    /// The worker was asked to let go, or the run's controllers do not answer.
+    Stopped(Box<Run>, Option<Waits>),
     /// The run cannot go on.
     Failed(String),
 }
@@ -48,6 +48,11 @@ pub fn attempt(
         .channels()
         .then(|| FramePublisher::open_or_warn(&config.channels, &claimed.id, extent))
         .flatten();
+    let mut external = match External::open(&config.channels.root, &claimed.id, run.spec()) {
+        Ok(external) => external,
+        Err(error) => return Ended::Stopped(Box::new(run), Some(waits(&error))),
+    };
+    let pilot = external.as_mut().map(|external| external as &mut dyn Pilot);
     let done_before = run.progress().robot_steps_done;
     let mut views = Views::new(live, done_before);
     let mut checkpoints = Checkpoints::new(checkpoint_of, {
@@ -65,8 +70,9 @@ pub fn attempt(
     let mut watched = Watched::new(&live.window, run.robots().len());
     let mut memory = MemoryBound::new(config.run_memory_bytes);
     let mut pause = claimed.pause_at_step.map(PauseAt);
-    let ended = runner::step(
+    let ended = runner::step_by(
         &mut run,
+        pilot,
         &|| live.is_stopping(),
         &mut [
             &mut memory,
@@ -81,9 +87,11 @@ pub fn attempt(
     if steps > 0 {
         live.set_pace(steps as f64 / start.elapsed().as_secs_f64().max(1e-9));
     }
-    if let runner::Ended::Failed(reason) = ended {
-        return Ended::Failed(reason);
-    }
+    let waits = match ended {
+        runner::Ended::Failed(reason) => return Ended::Failed(reason),
+        runner::Ended::Waiting(waits) => Some(waits),
+        runner::Ended::Done | runner::Ended::Stopped => None,
+    };
     match run.outcome() {
         Some(outcome) => {
             let result = run_result(&outcome);
@@ -97,16 +105,35 @@ pub fn attempt(
             };
             Ended::Finished(Box::new(finished), last)
         }
-        None => Ended::Stopped(Box::new(run)),
+        None => Ended::Stopped(Box::new(run), waits),
+    }
+}
+
+impl Pilot for External {
+    fn steer(&mut self, run: &mut Run) -> Result<(), Stop> {
+        External::steer(self, run).map_err(|error| Stop::Wait(waits(&error)))
+    }
+}
+
+/// What a run waits for that could not be steered.
+fn waits(error: &AskError) -> Waits {
+    Waits {
+        why: format!("waits: {error}"),
+        for_controllers: error.may_pass(),
     }
 }
 
 /// Stores the position and the checkpoint of a run that is let go, unless it is not wanted any more.
-pub fn park(store: &Store, claimed: &ClaimedRun, run: &Run) {
+pub fn park(store: &Store, claimed: &ClaimedRun, run: &Run, waits: Option<&Waits>) {
     let pause = claimed.pause_at_step.map(PauseAt);
-    if pause.is_some_and(|pause| pause.is_reached(run))
-        && let Err(error) = store.hold(claimed.seq, "paused after the steps asked for")
-    {
+    let held = match waits {
+        Some(waits) => store.hold_waiting(claimed.seq, &waits.why, waits.for_controllers),
+        None if pause.is_some_and(|pause| pause.is_reached(run)) => {
+            store.hold(claimed.seq, "paused after the steps asked for")
+        }
+        None => Ok(None),
+    };
+    if let Err(error) = held {
         tracing::error!(run = claimed.id, %error, "the run cannot be held; it goes on");
     }
     let Progress {

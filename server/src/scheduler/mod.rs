@@ -9,6 +9,7 @@ mod control;
 mod control_error;
 #[cfg(test)]
 mod control_tests;
+mod controllers;
 #[cfg(test)]
 mod fork_tests;
 mod forks;

@@ -84,6 +84,12 @@ impl Scheduler {
                 .map_err(|source| StoreError::Thread { source })?;
             scheduler.workers().push(worker);
         }
+        let shared = Arc::clone(&scheduler.shared);
+        let lookout = std::thread::Builder::new()
+            .name("controllers".to_owned())
+            .spawn(move || super::controllers::look_out(&shared))
+            .map_err(|source| StoreError::Thread { source })?;
+        scheduler.workers().push(lookout);
         Ok(scheduler)
     }
 
@@ -366,8 +372,9 @@ impl Shared {
                 tracing::error!(run = claimed.id, reason, "the run failed");
                 self.persist(&claimed.id, || self.store.fail(claimed.seq, &reason));
             }
-            Ended::Stopped(run) => {
-                let parking = AssertUnwindSafe(|| attempt::park(&self.store, claimed, &run));
+            Ended::Stopped(run, waits) => {
+                let waits = waits.as_ref();
+                let parking = AssertUnwindSafe(|| attempt::park(&self.store, claimed, &run, waits));
                 if let Err(panic) = catch_unwind(parking) {
                     let reason = said(&*panic);
                     self.persist(&claimed.id, || self.store.fail(claimed.seq, &reason));

@@ -34,18 +34,57 @@ impl Store {
     pub fn hold(&self, run: RunKey, why: &str) -> Result<Option<StoppedRun>, StoreError> {
         let mut connection = self.connection();
         let transaction = connection.transaction()?;
-        let held = transaction
+        transaction
             .prepare_cached(
-                "UPDATE runs SET state = 'paused', held = 1, pause_at_step = NULL
-                 WHERE seq = ?1 AND state IN ('queued', 'running') RETURNING seq, id",
+                "UPDATE runs SET awaits_controllers = 0,
+                    reason = CASE state WHEN 'paused' THEN NULL ELSE reason END
+                 WHERE seq = ?1",
             )?
-            .query_row([run], stopped)
-            .optional()?;
+            .execute([run])?;
+        let held = held(&transaction, run, why)?;
+        transaction.commit()?;
+        Ok(held)
+    }
+
+    /// As [`Store::hold`], for a reason that is shown with the run, and perhaps only until the
+    /// programs that steer it are there.
+    ///
+    /// # Errors
+    /// When the database fails; nothing is changed then.
+    pub fn hold_waiting(
+        &self,
+        run: RunKey,
+        why: &str,
+        for_controllers: bool,
+    ) -> Result<Option<StoppedRun>, StoreError> {
+        let mut connection = self.connection();
+        let transaction = connection.transaction()?;
+        let held = held(&transaction, run, why)?;
         if held.is_some() {
-            log(&transaction, run, why)?;
+            transaction
+                .prepare_cached(
+                    "UPDATE runs SET awaits_controllers = ?2, reason = ?3 WHERE seq = ?1",
+                )?
+                .execute(params![run, for_controllers, why])?;
         }
         transaction.commit()?;
         Ok(held)
+    }
+
+    /// Runs that are held until the programs that steer them are there, oldest first.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn await_controllers(&self, most: u32) -> Result<Vec<StoppedRun>, StoreError> {
+        Ok(self
+            .reader()
+            .prepare_cached(
+                "SELECT seq, id FROM runs
+                 WHERE state = 'paused' AND held = 1 AND awaits_controllers = 1
+                 ORDER BY seq LIMIT ?1",
+            )?
+            .query_map([most], stopped)?
+            .collect::<Result<_, _>>()?)
     }
 
     /// Holds a run no more, so that it does what its jobs want; it is held again at a step of its
@@ -63,7 +102,7 @@ impl Store {
         let transaction = connection.transaction()?;
         transaction
             .prepare_cached(
-                "UPDATE runs SET held = 0, pause_at_step = ?2
+                "UPDATE runs SET held = 0, awaits_controllers = 0, reason = NULL, pause_at_step = ?2
                  WHERE seq = ?1 AND state IN ('queued', 'paused')",
             )?
             .execute(params![run, pause_at_step.map(to_sql)])?;
@@ -289,6 +328,21 @@ fn jobs_of(connection: &Connection, run: RunKey) -> rusqlite::Result<Vec<JobKey>
         .prepare_cached("SELECT DISTINCT job FROM job_runs WHERE run = ?1 ORDER BY job")?
         .query_map([run], |row| row.get(0))?
         .collect()
+}
+
+/// Holds a run that waits or runs.
+fn held(connection: &Connection, run: RunKey, why: &str) -> rusqlite::Result<Option<StoppedRun>> {
+    let held = connection
+        .prepare_cached(
+            "UPDATE runs SET state = 'paused', held = 1, pause_at_step = NULL
+             WHERE seq = ?1 AND state IN ('queued', 'running') RETURNING seq, id",
+        )?
+        .query_row([run], stopped)
+        .optional()?;
+    if held.is_some() {
+        log(connection, run, why)?;
+    }
+    Ok(held)
 }
 
 fn stopped(row: &rusqlite::Row<'_>) -> rusqlite::Result<StoppedRun> {

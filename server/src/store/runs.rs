@@ -61,6 +61,8 @@ pub struct RunView {
     pub robot_steps_total: u64,
     /// Where it goes on from, if it does not start at its beginning.
     pub origin: Option<api::RunOrigin>,
+    /// What a paused run waits for, where it was not asked to pause.
+    pub waits: Option<String>,
 }
 
 impl RunView {
@@ -341,6 +343,7 @@ pub(super) fn view(row: &Row<'_>) -> Result<RunView, StoreError> {
         let id: String = row.get("id")?;
         tracing::error!(run = id, %error, "a run cannot be read");
         Ok(RunView {
+            waits: None,
             seq: row.get("seq")?,
             id,
             job: row.get("job")?,
@@ -382,16 +385,19 @@ fn view_whole(row: &Row<'_>) -> Result<RunView, StoreError> {
         .map(|text| serde_json::from_str(&text))
         .transpose()
         .map_err(|why| StoreError::damaged("origin", &id, why))?;
+    let reason: Option<String> = row.get("reason")?;
+    let waits = reason.clone().filter(|_| state == "paused");
     Ok(RunView {
         seq: row.get("seq")?,
         id,
+        waits,
         job: row.get("job")?,
         ordinal: from_sql(row.get("ordinal")?),
         seed: from_sql(row.get("seed")?),
         arena: row.get("arena")?,
         method: row.get("method")?,
         label: row.get("label")?,
-        state: RunState::from_columns(&state, position, row.get("reason")?, result)?,
+        state: RunState::from_columns(&state, position, reason, result)?,
         results_version: row.get("results_version")?,
         epochs_total: row.get("epochs_total")?,
         robot_steps_total: from_sql(row.get("robot_steps_total")?),

@@ -1,10 +1,12 @@
 //! The methods, a file each or a family: name, what it does, source, stages, what it shares, its
 //! controller where it learns nothing. The rest of the program asks; it does not know methods.
 
+mod braitenberg;
 mod brownian;
 mod definition;
 mod ev_iter;
 mod evolved;
+mod external;
 mod im;
 mod levy;
 #[cfg(test)]
@@ -14,13 +16,17 @@ mod walker;
 use serde::{Deserialize, Serialize};
 
 pub use definition::{Definition, Explores, Trains};
+pub use external::ExternalParameters;
 
 use crate::bodies::Bodies;
 use crate::caps::MemoryPlan;
 use crate::controllers::Brownian;
+use crate::dimensions::WHEELS;
 use crate::spec::{Method, RunSpec};
 use crate::stages::Stage;
 use crate::world::World;
+use braitenberg::Braitenberg;
+use external::External;
 use levy::Levy;
 use walker::Walker;
 
@@ -39,6 +45,8 @@ impl Method {
             Self::EvIterCa => &ev_iter::EV_ITER_CA,
             Self::EvIterDa => &ev_iter::EV_ITER_DA,
             Self::Levy => &levy::LEVY,
+            Self::Braitenberg => &braitenberg::BRAITENBERG,
+            Self::External => &external::EXTERNAL,
         }
     }
 }
@@ -119,6 +127,20 @@ macro_rules! walkers {
 walkers! {
     Brownian: Brownian,
     Levy: Levy,
+    Braitenberg: Braitenberg,
+    External: External,
+}
+
+impl Walkers {
+    /// Says what robots that are steered from outside do next; index is a robot's number. Does
+    /// nothing to others.
+    pub fn steer(&mut self, commands: &[[f32; WHEELS]]) {
+        if let Self::External(controllers) = self {
+            for (controller, command) in controllers.iter_mut().zip(commands) {
+                controller.steer(*command);
+            }
+        }
+    }
 }
 
 /// The stages of a spec under a memory plan, in order.

@@ -7,6 +7,7 @@ use crate::caps::MemoryPlan;
 use crate::controllers::{
     Babbler, Brownian, Codebook, Crawler, Explorer, Replayer, Scaling, SharedTableExplorers, Watch,
 };
+use crate::dimensions::WHEELS;
 use crate::learn::archive::Archive;
 use crate::learn::repository::Repository;
 use crate::methods::{Explores, Walkers};
@@ -265,6 +266,13 @@ impl Learners {
             | Learners::Babblers(_)
             | Learners::Crawlers(_)
             | Learners::Walkers(_) => {}
+        }
+    }
+
+    /// As [`Walkers::steer`].
+    pub fn steer(&mut self, commands: &[[f32; WHEELS]]) {
+        if let Self::Walkers(walkers) = self {
+            walkers.steer(commands);
         }
     }
 

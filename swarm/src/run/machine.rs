@@ -14,6 +14,7 @@ use super::tracks::{MOST_SAMPLES, Time, Tracks};
 use super::venue::{TARGET, TRAINING, Venue, sites};
 use crate::bodies::Bodies;
 use crate::caps::MemoryPlan;
+use crate::dimensions::WHEELS;
 use crate::random::Site;
 use crate::spec::{Episodes, FieldError, RunSpec};
 use crate::stages::{Phase, Stage, arena_epochs};
@@ -86,6 +87,18 @@ impl Run {
             }
         }
         self.progress()
+    }
+
+    /// Says what robots that are steered from outside (`external`) do from the next step on: a
+    /// command for each, left and right in [-1, 1], by their numbers. Robots of other methods go
+    /// their own way.
+    pub fn steer(&mut self, commands: &[[f32; WHEELS]]) {
+        self.learners.steer(commands);
+    }
+
+    /// Epoch of the present stage that the run is in, and its step within it, both from 0.
+    pub fn epoch_and_step(&self) -> (u32, u32) {
+        (self.position.epoch, self.position.step)
     }
 
     pub(super) fn stage(&self) -> Option<Stage> {

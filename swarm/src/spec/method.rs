@@ -28,6 +28,10 @@ named_choice! {
         EvIterDa = "ev-iter-da",
         /// Levy walk: straight steps of power-law lengths, uniform turns.
         Levy = "levy",
+        /// Braitenberg vehicle: each wheel's speed a weighted sum of what the sensors read.
+        Braitenberg = "braitenberg",
+        /// A program outside the simulator decides.
+        External = "external",
     }
 }
 

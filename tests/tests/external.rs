@@ -1,0 +1,172 @@
+//! Robots that programs outside the simulator steer: the same bits as the same controller built in,
+//! whoever is killed on the way; what cannot be used is said.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+use api::controller::Controller;
+use api::{Job, State};
+use serde_json::{Value, json};
+use tests::http::Client;
+use tests::server::Server;
+use tests::{program, wait};
+
+/// Many robots in one arena, so that they share controllers; long enough to be killed in the middle.
+fn spec(method: Value) -> Value {
+    json!({
+        "base": {
+            "arena": { "from": "easy", "tile": [2, 2] }, "robots": 7, "placement": "grid",
+            "controller": method, "epochs": 30, "steps_per_epoch": 200,
+        },
+        "seeds": [5],
+    })
+}
+
+/// What a run found, but for its learners' state, which differs between methods.
+fn findings(server: &Client, job: &Job) -> Vec<Vec<u8>> {
+    let id = server.only_run(job).id;
+    ["curve.csv", "metrics.csv", "coverage.npy", "dwell.npy"]
+        .map(|file| {
+            let answer = server.get(&format!("/v1/runs/{id}/{file}"));
+            assert_eq!(answer.status, 200, "{file}");
+            answer.body
+        })
+        .to_vec()
+}
+
+fn built_in(server: &Client) -> Vec<Vec<u8>> {
+    let job = server.submit(&spec(json!({ "method": "braitenberg" })));
+    server.wait_for(&job);
+    findings(server, &job)
+}
+
+/// The example program, steering a run.
+struct Steering(Child);
+
+impl Steering {
+    fn start(home: &Path, run: &str, number: usize) -> Self {
+        let child = Command::new(program("examples/braitenberg"))
+            .args([run, &number.to_string()])
+            .env("XDG_RUNTIME_DIR", home)
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        Self(child)
+    }
+}
+
+impl Drop for Steering {
+    fn drop(&mut self) {
+        self.0.kill().unwrap();
+        self.0.wait().unwrap();
+    }
+}
+
+fn wait_for_state(server: &Client, job: &Job, state: State) -> Option<String> {
+    wait::until(&format!("{state}"), || {
+        let run = server.only_run(job);
+        (run.state == state).then_some(run.error)
+    })
+}
+
+#[test]
+fn controllers_that_are_killed_and_come_back_give_the_bits_of_the_one_built_in() {
+    let home = tempfile::tempdir().unwrap();
+    let mut server = Server::start(home.path());
+    let expected = built_in(&server);
+    let method = json!({ "method": "external", "controllers": 2, "deadline_ms": 200 });
+    let job = server.submit(&spec(method));
+    let run = server.only_run(&job).id;
+    // Nobody is there: the run holds no worker, and says what it waits for.
+    let waits = wait_for_state(&server, &job, State::Paused).unwrap();
+    assert!(waits.contains("controller 0 is not there"), "{waits}");
+
+    let _first = Steering::start(home.path(), &run, 0);
+    for round in 0..3 {
+        let second = Steering::start(home.path(), &run, 1);
+        let before = wait::until("steps", || {
+            let run = server.only_run(&job);
+            let steps = run.progress.map_or(0, |progress| progress.robot_steps_done);
+            (run.state == State::Running && steps > 0 || run.state == State::Done).then_some(steps)
+        });
+        assert!(before > 0 || round > 0);
+        std::thread::sleep(Duration::from_millis(100 * round));
+        drop(second);
+        if server.only_run(&job).state == State::Done {
+            break;
+        }
+        let waits = wait_for_state(&server, &job, State::Paused).unwrap();
+        assert!(waits.contains("controller 1"), "{waits}");
+        if round == 1 {
+            server.kill();
+            server = Server::start(home.path());
+        }
+    }
+    let _second = Steering::start(home.path(), &run, 1);
+    server.wait_for(&job);
+    assert!(findings(&server, &job) == expected, "other bits");
+}
+
+#[test]
+fn answers_that_cannot_be_used_pause_the_run_until_somebody_says_so() {
+    let home = tempfile::tempdir().unwrap();
+    let server = Server::start(home.path());
+    let expected = built_in(&server);
+    let job = server.submit(&spec(json!({ "method": "external" })));
+    let run = server.only_run(&job).id;
+    let root = home.path().join("evswarm");
+    let mut wrong = Controller::open(&root, &run, 0).unwrap();
+    // A second controller of the same robots is refused.
+    assert!(Controller::open(&root, &run, 0).is_err());
+    wait::until("a question", || {
+        let asked = wrong.answer(Duration::from_secs(1), |asked, robots, commands| {
+            assert_eq!((asked.arena_step, asked.epoch_step), (0, 0));
+            assert_eq!((robots.len(), commands.len()), (7, 7));
+            commands[3].left = f32::NAN;
+        });
+        asked.unwrap().then_some(())
+    });
+    let waits = wait_for_state(&server, &job, State::Paused).unwrap();
+    assert!(waits.contains("left of command 3 is NaN (allowed: -1 to 1)"), "{waits}");
+    drop(wrong);
+    let _right = Steering::start(home.path(), &run, 0);
+    std::thread::sleep(Duration::from_secs(1));
+    assert_eq!(server.only_run(&job).state, State::Paused, "nobody said so");
+    let answer = server.send("POST", &format!("/v1/runs/{run}/resume"), &[], b"");
+    assert_eq!(answer.status, 200);
+    server.wait_for(&job);
+    assert!(findings(&server, &job) == expected, "other bits");
+    assert_eq!(server.only_run(&job).error, None);
+}
+
+#[test]
+fn a_slow_controller_is_waited_for_until_its_deadline_and_tried_again() {
+    let home = tempfile::tempdir().unwrap();
+    let server = Server::start(home.path());
+    let job = server.submit(&spec(json!({ "method": "external", "deadline_ms": 20 })));
+    let run = server.only_run(&job).id;
+    let mut slow = Controller::open(&home.path().join("evswarm"), &run, 0).unwrap();
+    let mut steps = 0;
+    let waits = wait::until("a pause", || {
+        // The third step takes longer than is allowed.
+        let answered = slow.answer(Duration::from_millis(20), |_, _, _| {
+            steps += 1;
+            std::thread::sleep(Duration::from_millis(if steps == 3 { 300 } else { 0 }));
+        });
+        answered.unwrap();
+        let run = server.only_run(&job);
+        run.error.filter(|_| run.state == State::Paused)
+    });
+    assert!(waits.contains("did not answer within 20 ms"), "{waits}");
+    // It is quick again, and the run goes on by itself.
+    wait::until("the run to go on", || {
+        slow.answer(Duration::from_millis(20), |_, _, _| {}).unwrap();
+        (server.only_run(&job).state == State::Running).then_some(())
+    });
+    let log: Value = server.read(&format!("/v1/runs/{run}/log"));
+    assert!(log.to_string().contains("its controllers are there"), "{log}");
+}
