@@ -163,7 +163,10 @@ impl Controller {
             bell(&node, run_id, number, Side::Asked)?,
             bell(&node, run_id, number, Side::Answered)?,
         ];
-        let asked = transport("a listener", bells[0].listener_builder().create())?;
+        let asked = transport(
+            "a listener (root path too long?)",
+            bells[0].listener_builder().create(),
+        )?;
         let answered = transport("a notifier", bells[1].notifier_builder().create())?;
         let server = service
             .server_builder()

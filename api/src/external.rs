@@ -19,6 +19,10 @@ shared_type! {
         sim_time_s: f64,
         /// Control step, simulated seconds.
         step_s: f64,
+        /// Width of the arena, metres.
+        width_m: f64,
+        /// Height of the arena, metres.
+        height_m: f64,
         /// Epoch that the run is in, from 0.
         epoch: u32,
         /// Step within the epoch, from 0; at 0 robots have been put back to their starts, unless
@@ -32,8 +36,12 @@ shared_type! {
         robots: u32,
         /// Number of the first robot in the slice; the others follow.
         first_robot: u32,
-        /// Always 0: keeps the type free of padding.
-        reserved: u32,
+        /// Squares of the arena side by side.
+        columns: u32,
+        /// Squares of the arena one above the other.
+        rows: u32,
+        /// Robots in the slice.
+        asked_robots: u32,
         /// [`EXTERNAL_VERSION`] of the simulator.
         version: u32,
     }
@@ -134,7 +142,7 @@ mod tests {
             assert!(layout.type_name.ends_with(&format!(".v{EXTERNAL_VERSION}")));
             layout.size_bytes
         });
-        assert_eq!(sizes, [56, 56, 16, 8]);
+        assert_eq!(sizes, [80, 56, 16, 8]);
     }
 
     #[test]

@@ -78,7 +78,7 @@ fn controllers_that_are_killed_and_come_back_give_the_bits_of_the_one_built_in()
     let home = tempfile::tempdir().unwrap();
     let mut server = Server::start(home.path());
     let expected = built_in(&server);
-    let method = json!({ "method": "external", "controllers": 2, "deadline_ms": 200 });
+    let method = json!({ "method": "external", "controllers": 2, "deadline_ms": 20_000 });
     let job = server.submit(&spec(method));
     let run = server.only_run(&job).id;
     // Nobody is there: the run holds no worker, and says what it waits for.
@@ -116,7 +116,8 @@ fn answers_that_cannot_be_used_pause_the_run_until_somebody_says_so() {
     let home = tempfile::tempdir().unwrap();
     let server = Server::start(home.path());
     let expected = built_in(&server);
-    let job = server.submit(&spec(json!({ "method": "external" })));
+    let method = json!({ "method": "external", "deadline_ms": 20_000 });
+    let job = server.submit(&spec(method));
     let run = server.only_run(&job).id;
     let root = home.path().join("evswarm");
     let mut wrong = Controller::open(&root, &run, 0).unwrap();
@@ -131,7 +132,10 @@ fn answers_that_cannot_be_used_pause_the_run_until_somebody_says_so() {
         asked.unwrap().then_some(())
     });
     let waits = wait_for_state(&server, &job, State::Paused).unwrap();
-    assert!(waits.contains("left of command 3 is NaN (allowed: -1 to 1)"), "{waits}");
+    assert!(
+        waits.contains("left of command 3 is NaN (allowed: -1 to 1)"),
+        "{waits}"
+    );
     drop(wrong);
     let _right = Steering::start(home.path(), &run, 0);
     std::thread::sleep(Duration::from_secs(1));
@@ -164,9 +168,13 @@ fn a_slow_controller_is_waited_for_until_its_deadline_and_tried_again() {
     assert!(waits.contains("did not answer within 20 ms"), "{waits}");
     // It is quick again, and the run goes on by itself.
     wait::until("the run to go on", || {
-        slow.answer(Duration::from_millis(20), |_, _, _| {}).unwrap();
+        slow.answer(Duration::from_millis(20), |_, _, _| {})
+            .unwrap();
         (server.only_run(&job).state == State::Running).then_some(())
     });
     let log: Value = server.read(&format!("/v1/runs/{run}/log"));
-    assert!(log.to_string().contains("its controllers are there"), "{log}");
+    assert!(
+        log.to_string().contains("its controllers are there"),
+        "{log}"
+    );
 }

@@ -24,6 +24,8 @@ const SPIN: Duration = Duration::from_micros(20);
 const SLEEP: Duration = Duration::from_millis(10);
 /// Time between two looks for a controller that is not there.
 const LOOK: Duration = Duration::from_millis(2);
+/// Time between two looks whether the controller that is waited for was killed.
+const LOOK_FOR_DEAD: Duration = Duration::from_millis(100);
 /// Least time that the first question of an attempt may take: a controller connects then.
 const FIRST: Duration = Duration::from_secs(1);
 
@@ -128,6 +130,7 @@ impl Part {
     /// Waits for the answer and writes it to `commands`. Returns whether it came in time.
     fn receive(
         &mut self,
+        node: &Node<ipc::Service>,
         controller: usize,
         arena_step: u64,
         until: Instant,
@@ -137,18 +140,33 @@ impl Part {
             return Ok(false);
         };
         let since = Instant::now();
+        let mut looked = since;
         loop {
+            let is_there = pending.is_connected();
             if let Some(answer) = transport("an answer", pending.receive())? {
                 let header = answer.user_header();
-                check(header, arena_step, answer.payload(), commands)
+                if header.arena_step != arena_step {
+                    // Too late, and to a question that has been given up.
+                    continue;
+                }
+                check(header, answer.payload(), commands)
                     .map_err(|why| AskError::Wrong { controller, why })?;
                 self.pending = None;
                 return Ok(true);
             }
             let now = Instant::now();
+            if !is_there {
+                self.pending = None;
+                return Err(AskError::Absent(controller));
+            }
             if now >= until {
                 self.pending = None;
                 return Ok(false);
+            }
+            if now - looked >= LOOK_FOR_DEAD {
+                looked = now;
+                // One that was killed stays connected until somebody looks.
+                node.try_cleanup_dead_nodes();
             }
             if now - since < SPIN {
                 std::hint::spin_loop();
@@ -163,7 +181,6 @@ impl Part {
 /// Checks an answer and takes its commands.
 fn check(
     header: &Answered,
-    arena_step: u64,
     answer: &[WheelCommand],
     commands: &mut [[f32; 2]],
 ) -> Result<(), String> {
@@ -171,12 +188,6 @@ fn check(
         return Err(format!(
             "version {} (allowed: {EXTERNAL_VERSION})",
             header.version
-        ));
-    }
-    if header.arena_step != arena_step {
-        return Err(format!(
-            "for step {} (allowed: {arena_step}, the step asked for)",
-            header.arena_step
         ));
     }
     if answer.len() != commands.len() {
@@ -273,7 +284,8 @@ impl External {
         for (place, body) in self.senses.iter_mut().zip(bodies) {
             *place = sense(body);
         }
-        let spec = run.spec();
+        let (spec, arena) = (run.spec(), run.arena());
+        let [columns, rows] = arena.squares();
         let (epoch, epoch_step) = run.epoch_and_step();
         let step_s = spec.robot.parameters.step_s;
         Asked {
@@ -286,7 +298,11 @@ impl External {
             steps_per_epoch: spec.steps_per_epoch,
             robots: spec.robots,
             first_robot: 0,
-            reserved: 0,
+            width_m: arena.width_m(),
+            height_m: arena.height_m(),
+            columns,
+            rows,
+            asked_robots: 0,
             version: EXTERNAL_VERSION,
         }
     }
@@ -297,6 +313,7 @@ impl External {
             let (first, count) = part.robots;
             let asked = Asked {
                 first_robot: first as u32,
+                asked_robots: count as u32,
                 ..asked
             };
             while count > 0 && !part.ask(asked, &self.senses[first..first + count])? {
@@ -306,10 +323,11 @@ impl External {
                 std::thread::sleep(LOOK);
             }
         }
+        let node = &self.node;
         for (controller, part) in self.parts.iter_mut().enumerate() {
             let (first, count) = part.robots;
             let commands = &mut self.commands[first..first + count];
-            if count > 0 && !part.receive(controller, asked.arena_step, until, commands)? {
+            if count > 0 && !part.receive(node, controller, asked.arena_step, until, commands)? {
                 return Err(AskError::Late {
                     controller,
                     deadline_ms: deadline.as_millis(),
@@ -368,22 +386,18 @@ mod tests {
         let one = [command(0.5, -1.0)];
         let mut commands = [[0.0; 2]];
         let mut answer = |header: Answered, answer: &[WheelCommand]| {
-            check(&header, 7, answer, &mut commands).map_err(|why| why.to_string())
+            check(&header, answer, &mut commands).map_err(|why| why.to_string())
         };
         assert_eq!(answer(answered(), &one), Ok(()));
         for wrong in [f32::NAN, f32::INFINITY, 1.001, -7.0] {
             let why = answer(answered(), &[command(0.0, wrong)]).err();
             assert!(why.is_some_and(|why| why.contains("right of command 0")));
         }
-        let late = Answered {
-            arena_step: 6,
-            ..answered()
-        };
         let other = Answered {
             version: 9,
             ..answered()
         };
-        for (header, commands) in [(late, &one[..]), (other, &one[..]), (answered(), &[])] {
+        for (header, commands) in [(other, &one[..]), (answered(), &[])] {
             assert!(answer(header, commands).is_err());
         }
     }

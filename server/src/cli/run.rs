@@ -34,6 +34,10 @@ pub struct RunArguments {
     /// of the machine's memory].
     #[arg(long, value_parser = clap::value_parser!(u64).range(1_000_000..))]
     run_memory_bytes: Option<u64>,
+    /// Where robots are steered from outside: the name under which controllers find this run, so
+    /// that several of one spec can be under way [default: the run's id].
+    #[arg(long, value_name = "NAME")]
+    external_name: Option<String>,
 }
 
 pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
@@ -70,7 +74,8 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let frames = open_frames(&spec);
     let most = arguments.run_memory_bytes;
     let most = most.unwrap_or_else(|| runner::default_run_memory_bytes(NonZeroUsize::MIN));
-    let Some(outcome) = finish(&mut work, &spec, &checkpoint, frames, most, &stop)? else {
+    let pilot = Patient::open(&spec, arguments.external_name.as_deref(), &stop)?;
+    let Some(outcome) = finish(&mut work, pilot, &checkpoint, frames, most, &stop)? else {
         return Err(anyhow!("interrupted; the same command goes on from here").into());
     };
     let Spent { wall_s, cpu_s } = work.costs.spent();
@@ -205,7 +210,7 @@ fn open_frames(spec: &ResolvedRun) -> Option<FramePublisher> {
 /// Steps the run to its end; `None` when stopped on the way, with a checkpoint made.
 fn finish(
     work: &mut Work,
-    spec: &ResolvedRun,
+    mut patient: Option<Patient<'_>>,
     checkpoint: &Arc<Checkpoint>,
     mut frames: Option<FramePublisher>,
     run_memory_bytes: u64,
@@ -219,7 +224,6 @@ fn finish(
     );
     let Work { run, costs } = work;
     let mut memory = MemoryBound::new(run_memory_bytes);
-    let mut patient = Patient::open(spec, stop)?;
     let pilot = patient.as_mut().map(|patient| patient as &mut dyn Pilot);
     let mut checkpoints = Checkpoints::new(|run: &Run| (run.snapshot(), costs.spent()), {
         let checkpoint = Arc::clone(checkpoint);
@@ -258,11 +262,16 @@ struct Patient<'a> {
 
 impl<'a> Patient<'a> {
     /// `None` where robots steer themselves.
-    fn open(spec: &ResolvedRun, stop: &'a Stop) -> anyhow::Result<Option<Self>> {
-        let root = ChannelSettings::default().root;
-        let external = External::open(&root, &spec.key(), &spec.run_spec())?;
+    fn open(
+        spec: &ResolvedRun,
+        name: Option<&str>,
+        stop: &'a Stop,
+    ) -> anyhow::Result<Option<Self>> {
+        let (root, key) = (ChannelSettings::default().root, spec.key());
+        let name = name.unwrap_or(&key);
+        let external = External::open(&root, name, &spec.run_spec())?;
         if external.is_some() {
-            tracing::info!("run {} asks its controllers on this machine", spec.key());
+            tracing::info!("run {name} asks its controllers on this machine");
         }
         Ok(external.map(|external| Self {
             external,

@@ -16,7 +16,7 @@ const MOST: u32 = 256;
 /// twice as long each time, up to [`LONGEST`].
 const FIRST: Duration = Duration::from_millis(300);
 /// Longest time between two tries.
-const LONGEST: Duration = Duration::from_secs(60);
+const LONGEST: Duration = Duration::from_secs(10);
 /// A run that is not held again for so long has got its controllers back for good.
 const FORGET: Duration = Duration::from_secs(120);
 

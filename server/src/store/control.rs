@@ -36,9 +36,7 @@ impl Store {
         let transaction = connection.transaction()?;
         transaction
             .prepare_cached(
-                "UPDATE runs SET awaits_controllers = 0,
-                    reason = CASE state WHEN 'paused' THEN NULL ELSE reason END
-                 WHERE seq = ?1",
+                "UPDATE runs SET awaits_controllers = 0, waits_for = NULL WHERE seq = ?1",
             )?
             .execute([run])?;
         let held = held(&transaction, run, why)?;
@@ -63,7 +61,7 @@ impl Store {
         if held.is_some() {
             transaction
                 .prepare_cached(
-                    "UPDATE runs SET awaits_controllers = ?2, reason = ?3 WHERE seq = ?1",
+                    "UPDATE runs SET awaits_controllers = ?2, waits_for = ?3 WHERE seq = ?1",
                 )?
                 .execute(params![run, for_controllers, why])?;
         }
@@ -102,7 +100,7 @@ impl Store {
         let transaction = connection.transaction()?;
         transaction
             .prepare_cached(
-                "UPDATE runs SET held = 0, awaits_controllers = 0, reason = NULL, pause_at_step = ?2
+                "UPDATE runs SET held = 0, awaits_controllers = 0, waits_for = NULL, pause_at_step = ?2
                  WHERE seq = ?1 AND state IN ('queued', 'paused')",
             )?
             .execute(params![run, pause_at_step.map(to_sql)])?;

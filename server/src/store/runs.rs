@@ -79,7 +79,7 @@ impl RunView {
 const PAGE: u32 = 1_000;
 
 pub(super) const VIEW: &str = "SELECT runs.seq, id, job, ordinal, seed, arena, method, state, phase,
-        epochs_done, robot_steps_done, reason, epochs_total, robot_steps_total, result, result_sha256, label,
+        epochs_done, robot_steps_done, reason, waits_for, epochs_total, robot_steps_total, result, result_sha256, label,
         results_version, origin
     FROM job_runs JOIN runs ON runs.seq = job_runs.run
     LEFT JOIN results ON results.run = runs.seq";
@@ -385,8 +385,8 @@ fn view_whole(row: &Row<'_>) -> Result<RunView, StoreError> {
         .map(|text| serde_json::from_str(&text))
         .transpose()
         .map_err(|why| StoreError::damaged("origin", &id, why))?;
-    let reason: Option<String> = row.get("reason")?;
-    let waits = reason.clone().filter(|_| state == "paused");
+    let waits: Option<String> = row.get("waits_for")?;
+    let waits = waits.filter(|_| state == "paused");
     Ok(RunView {
         seq: row.get("seq")?,
         id,
@@ -397,7 +397,7 @@ fn view_whole(row: &Row<'_>) -> Result<RunView, StoreError> {
         arena: row.get("arena")?,
         method: row.get("method")?,
         label: row.get("label")?,
-        state: RunState::from_columns(&state, position, reason, result)?,
+        state: RunState::from_columns(&state, position, row.get("reason")?, result)?,
         results_version: row.get("results_version")?,
         epochs_total: row.get("epochs_total")?,
         robot_steps_total: from_sql(row.get("robot_steps_total")?),
