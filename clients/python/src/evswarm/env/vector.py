@@ -15,7 +15,7 @@ from evswarm.env.episodes import Episodes
 
 
 class SwarmVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
-    """One robot in each of ``num_envs`` copies of an arena, with doorways too narrow for a robot."""
+    """A robot in each of ``num_envs`` copies of an arena, with doorways too narrow for it."""
 
     metadata = {"autoreset_mode": gymnasium.vector.AutoresetMode.NEXT_STEP}  # noqa: RUF012
 
