@@ -21,6 +21,7 @@ pub mod result;
 pub mod spec;
 pub mod state;
 pub mod summary;
+mod workers;
 
 pub use catalog::{
     ArenaList, ArenaListing, ControllerListing, Health, MethodListing, ParameterListing,
@@ -41,3 +42,4 @@ pub use spec::{
 };
 pub use state::{Progress, State};
 pub use summary::JobSummary;
+pub use workers::{Worker, Workers};

@@ -64,6 +64,9 @@ pub struct Problem {
     /// Every wrong field.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub errors: Vec<FieldError>,
+    /// Id of the request, as in `x-request-id` and in the server's log.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub request_id: Option<String>,
 }
 
 impl Problem {
@@ -79,6 +82,7 @@ impl Problem {
             status: code.status(),
             detail: None,
             errors: Vec::new(),
+            request_id: None,
         }
     }
 

@@ -47,8 +47,48 @@ impl Server {
         arguments: &[&str],
         environment: &[(&str, &str)],
     ) -> Result<Self, String> {
+        Self::launch(
+            Command::new(program("evswarm")),
+            data,
+            arguments,
+            environment,
+        )
+    }
+
+    /// Starts a server whose data directory is on a file system of its own, of so many bytes: in a
+    /// namespace of mounts, which any user may have where the system allows it. From here it is
+    /// seen below [`Self::disk`].
+    pub fn start_on_a_small_disk(home: &Path, bytes: u64) -> Self {
+        let disk = home.join("data");
+        fs::create_dir(&disk).unwrap();
+        let mut command = Command::new("unshare");
+        let script = "mount -t tmpfs -o size=\"$0\" tmpfs \"$1\" && shift && exec \"$@\"";
+        command
+            .args(["--map-root-user", "--mount", "sh", "-c", script])
+            .arg(bytes.to_string())
+            .arg(&disk)
+            .arg(program("evswarm"));
+        Self::launch(command, home, &["--threads", "1"], &[]).unwrap_or_else(|log| {
+            panic!("no server on a disk of its own, which needs a namespace of users: {log}")
+        })
+    }
+
+    /// The directory of a server that was started on a small disk.
+    pub fn disk(&self, home: &Path) -> PathBuf {
+        let home = home.canonicalize().unwrap();
+        let inside = home.join("data");
+        let root = PathBuf::from(format!("/proc/{}/root", self.child.id()));
+        root.join(inside.strip_prefix("/").unwrap())
+    }
+
+    fn launch(
+        mut command: Command,
+        data: &Path,
+        arguments: &[&str],
+        environment: &[(&str, &str)],
+    ) -> Result<Self, String> {
         let log = data.join("server.log");
-        let mut child = Command::new(program("evswarm"))
+        let mut child = command
             .args(["serve", "--listen", "127.0.0.1:0", "--data"])
             .arg(data.join("data"))
             .args(arguments)

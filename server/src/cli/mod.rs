@@ -4,6 +4,7 @@ mod catalog;
 mod checkpoint;
 mod client;
 mod compare;
+mod config;
 mod data;
 mod failure;
 mod out;
@@ -11,22 +12,18 @@ mod output;
 mod progress;
 mod reproduce;
 mod run;
+mod serve;
 mod token;
 mod values;
 
 use std::ffi::OsString;
 use std::io::IsTerminal;
-use std::net::SocketAddr;
-use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::LazyLock;
-use std::time::Duration;
 
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use crate::http::ServeOptions;
 use failure::{EXIT_FAILED, EXIT_WRONG_SPEC, Failure};
-use values::{listen_address, threads};
 
 /// As `evswarm --version` says it.
 static VERSION: LazyLock<String> = LazyLock::new(|| {
@@ -68,29 +65,7 @@ enum Command {
     /// Run the thesis's experiments, test its claims and write a report.
     Reproduce(reproduce::ReproduceArguments),
     /// Start the HTTP service.
-    Serve {
-        /// Address to listen on: an IP address or localhost, with a port; a port alone is one of
-        /// 127.0.0.1, and port 0 takes a free one.
-        #[arg(long, env = "EVSWARM_LISTEN", default_value = "127.0.0.1:8080", value_parser = listen_address)]
-        listen: SocketAddr,
-        /// Directory of the database, checkpoints and results.
-        #[arg(long, default_value = "evswarm-data")]
-        data: PathBuf,
-        /// Threads that step runs [default: one a processor].
-        #[arg(long, value_parser = threads)]
-        threads: Option<usize>,
-        /// Most bytes that a run may hold; one that holds more fails [default: three quarters of the
-        /// machine's memory over the threads].
-        #[arg(long, value_parser = clap::value_parser!(u64).range(1_000_000..))]
-        run_memory_bytes: Option<u64>,
-        /// File of tokens, whose lines `evswarm token` makes: clients must send one of them, or the
-        /// one in the variable EVSWARM_TOKEN. Needed to listen beyond this machine.
-        #[arg(long, value_name = "FILE")]
-        tokens: Option<PathBuf>,
-        /// Seconds that open requests have to end once the service is to stop.
-        #[arg(long, env = "EVSWARM_DRAIN_S", default_value_t = 3, value_parser = clap::value_parser!(u64).range(0..=3_600))]
-        drain_s: u64,
-    },
+    Serve(serve::ServeArguments),
     /// Look through a data directory for damage: exit code 1 and a line for each fault, or 0.
     Check(data::CheckArguments),
     /// Copy a data directory, also while a service uses it.
@@ -128,10 +103,36 @@ pub fn main() -> ExitCode {
     with_arguments(std::env::args_os())
 }
 
+/// Why there are no arguments.
+enum Unparsed {
+    Line(clap::Error),
+    File(String),
+}
+
+/// The arguments, with what a file of settings says in place of defaults.
+fn parsed(line: Vec<OsString>) -> Result<Arguments, Unparsed> {
+    let arguments = Arguments::try_parse_from(&line).map_err(Unparsed::Line)?;
+    let Command::Serve(serve) = &arguments.command else {
+        return Ok(arguments);
+    };
+    let Some(file) = &serve.config else {
+        return Ok(arguments);
+    };
+    let command = config::with_file(Arguments::command(), file).map_err(Unparsed::File)?;
+    command
+        .try_get_matches_from(&line)
+        .and_then(|matches| Arguments::from_arg_matches(&matches))
+        .map_err(Unparsed::Line)
+}
+
 fn with_arguments(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
-    let arguments = match Arguments::try_parse_from(arguments) {
+    let arguments = match parsed(arguments.into_iter().collect()) {
         Ok(arguments) => arguments,
-        Err(error) => {
+        Err(Unparsed::File(error)) => {
+            output::complain(format_args!("error: {error}"));
+            return ExitCode::from(EXIT_FAILED);
+        }
+        Err(Unparsed::Line(error)) => {
             #[allow(
                 clippy::let_underscore_must_use,
                 reason = "if the message cannot be shown there is nobody to tell"
@@ -164,25 +165,7 @@ fn dispatch(command: Command) -> Result<(), Failure> {
     match command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Reproduce(arguments) => reproduce::reproduce(&arguments),
-        Command::Serve {
-            listen,
-            data,
-            threads,
-            run_memory_bytes,
-            tokens,
-            drain_s,
-        } => {
-            crate::http::serve(ServeOptions {
-                listen,
-                data,
-                threads,
-                run_memory_bytes,
-                token: token::of_environment(),
-                tokens,
-                drain: Duration::from_secs(drain_s),
-            })?;
-            Ok(())
-        }
+        Command::Serve(arguments) => serve::serve(arguments),
         Command::Check(arguments) => data::check(&arguments),
         Command::Backup(arguments) => data::backup(&arguments),
         Command::Token(arguments) => token::token(&arguments),

@@ -47,7 +47,7 @@ pub struct ReproduceArguments {
     #[arg(long, value_parser = clap::value_parser!(u32).range(0..=1_000))]
     rapier_seeds: Option<u32>,
     /// Runs at a time; no result depends on it [default: one a processor].
-    #[arg(long, value_parser = super::threads)]
+    #[arg(long, value_parser = super::values::threads)]
     threads: Option<usize>,
 }
 

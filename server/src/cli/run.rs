@@ -28,7 +28,7 @@ pub struct RunArguments {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Threads to use; the result does not depend on it [default: one a processor].
-    #[arg(long, value_parser = super::threads)]
+    #[arg(long, value_parser = super::values::threads)]
     threads: Option<usize>,
     /// Most bytes that the run may hold; one that comes to hold more fails [default: three quarters
     /// of the machine's memory].

@@ -6,6 +6,7 @@ use api::ProblemCode;
 use bytes::Bytes;
 use tokio::sync::Semaphore;
 
+use super::metrics::Metrics;
 use super::refusal::Refusal;
 use crate::events::Hub;
 use crate::findings::Assembler;
@@ -19,6 +20,8 @@ pub(super) struct App {
     pub(super) scheduler: Arc<Scheduler>,
     pub(super) findings: Arc<Assembler>,
     pub(super) events: Arc<Hub>,
+    /// What `/metrics` tells.
+    pub(super) metrics: Arc<Metrics>,
     /// Places for tables that are being made.
     pub(super) exports: Arc<Semaphore>,
     /// Places for streams of frames.
@@ -36,7 +39,9 @@ impl App {
         task: impl FnOnce(&App) -> Result<T, Refusal> + Send + 'static,
     ) -> Result<T, Refusal> {
         let app = self.clone();
-        tokio::task::spawn_blocking(move || task(&app))
+        // What is logged there is of this request too.
+        let span = tracing::Span::current();
+        tokio::task::spawn_blocking(move || span.in_scope(|| task(&app)))
             .await
             .unwrap_or_else(|error| Err(Refusal::internal(&error)))
     }

@@ -24,6 +24,14 @@ const HEAD_TIME: Duration = Duration::from_secs(10);
 /// Longest time between two requests, or between two parts of an answer that the client takes.
 const IDLE_TIME: Duration = Duration::from_secs(60);
 
+/// Open connections of the process.
+static OPEN: AtomicU64 = AtomicU64::new(0);
+
+/// Open connections of the process.
+pub fn open_connections() -> u64 {
+    OPEN.load(Ordering::Relaxed)
+}
+
 /// What a connection is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
@@ -124,6 +132,7 @@ pub struct Place {
 
 impl Drop for Place {
     fn drop(&mut self) {
+        OPEN.fetch_sub(1, Ordering::Relaxed);
         lock(&self.connections.open).remove(&self.number);
     }
 }
@@ -161,6 +170,7 @@ impl Connections {
         let number = self.next.fetch_add(1, Ordering::Relaxed);
         let connection = Arc::new(Connection::new(address));
         open.insert(number, Arc::clone(&connection));
+        OPEN.fetch_add(1, Ordering::Relaxed);
         Some(Place {
             connections: Arc::clone(self),
             number,

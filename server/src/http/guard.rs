@@ -5,10 +5,10 @@
 
 use std::net::IpAddr;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use api::ProblemCode;
-use axum::extract::{Request, State};
+use axum::extract::{MatchedPath, Request, State};
 use axum::http::header::{
     AUTHORIZATION, CONTENT_SECURITY_POLICY, CONTENT_TYPE, HOST, ORIGIN, WWW_AUTHENTICATE,
 };
@@ -17,11 +17,14 @@ use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use tokio::sync::Semaphore;
+use tracing::Instrument;
 
 use super::access::{Failures, Right, Tokens};
 use super::body::Bodies;
 use super::connections::Connection;
+use super::metrics::Metrics;
 use super::refusal::Refusal;
+use super::request_id;
 use super::{contract, health, page, problems};
 
 /// Requests answered at a time.
@@ -41,16 +44,18 @@ pub struct Gate {
     failures: Arc<Failures>,
     places: Arc<Semaphore>,
     bodies: Bodies,
+    metrics: Arc<Metrics>,
 }
 
 impl Gate {
     /// The gate of a server, with its tokens if it has any.
-    pub fn new(tokens: Tokens) -> Self {
+    pub fn new(tokens: Tokens, metrics: Arc<Metrics>) -> Self {
         Self {
             tokens: Arc::new(tokens),
             failures: Arc::default(),
             places: Arc::new(Semaphore::new(MAX_CONCURRENT)),
             bodies: Bodies::default(),
+            metrics,
         }
     }
 
@@ -106,11 +111,29 @@ impl Gate {
 
 /// Lets a request through, or refuses it.
 pub async fn guard(State(gate): State<Gate>, request: Request, next: Next) -> Response {
-    let mut response = admitted(&gate, request, next)
-        .await
-        .unwrap_or_else(IntoResponse::into_response);
+    let start = Instant::now();
+    let id = request_id::of(request.headers());
+    let method = request.method().clone();
+    let path = request.uri().path().to_owned();
+    let route = request.extensions().get::<MatchedPath>().cloned();
+    let span = tracing::info_span!("request", id);
+    let answered = async {
+        admitted(&gate, request, next)
+            .await
+            .unwrap_or_else(IntoResponse::into_response)
+    };
+    let answered = request_id::scope(id.clone(), answered);
+    let mut response = answered.instrument(span.clone()).await;
     let status = response.status();
+    let seconds = start.elapsed().as_secs_f64();
+    // Paths that no route has are counted together: there is no end of them.
+    let route = route.as_ref().map_or("none", MatchedPath::as_str);
+    gate.metrics.answered(&method, route, status, seconds);
+    span.in_scope(|| {
+        tracing::debug!(%method, path, status = status.as_u16(), seconds, "answered");
+    });
     let headers = response.headers_mut();
+    headers.insert(request_id::HEADER, request_id::header(&id));
     if status == StatusCode::UNAUTHORIZED {
         headers.insert(WWW_AUTHENTICATE, HeaderValue::from_static("Bearer"));
     }

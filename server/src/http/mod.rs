@@ -24,6 +24,7 @@ mod health;
 mod job_findings;
 mod jobs;
 mod listen;
+mod metrics;
 mod openapi;
 mod operation;
 mod page;
@@ -32,13 +33,16 @@ mod problems;
 mod query;
 mod refusal;
 mod request;
+mod request_id;
 mod router;
 mod routes;
 mod runs;
+mod scrape;
 mod serve;
 #[cfg(test)]
 mod tests;
 mod watching;
+mod workers;
 
 pub use access::{Right, line as token_line};
 use app::App;

@@ -5,6 +5,7 @@ use axum::http::header::{CONTENT_TYPE, RETRY_AFTER};
 use axum::http::{HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
 
+use super::request_id;
 use crate::findings::FindingsError;
 use crate::store::{CreateJobError, SaveArenaError, StoreError};
 
@@ -68,7 +69,8 @@ impl Refusal {
 }
 
 impl IntoResponse for Refusal {
-    fn into_response(self) -> Response {
+    fn into_response(mut self) -> Response {
+        self.problem.request_id = request_id::current();
         // A problem holds strings, numbers and lists: JSON can hold all of them.
         let body = serde_json::to_vec(&self.problem).unwrap_or_default();
         let status = StatusCode::from_u16(self.problem.status);

@@ -17,11 +17,13 @@ use crate::store::Store;
 use super::access::Tokens;
 use super::app::App;
 use super::guard::{self, Gate};
+use super::metrics::Metrics;
 use super::refusal::Refusal;
 use super::routes::Routes;
 use super::{
     arenas, catalog, checkpoints, checks, comparison, compression, conditional, contract, control,
-    events, exports, files, health, job_findings, jobs, openapi, page, problems, runs, watching,
+    events, exports, files, health, job_findings, jobs, openapi, page, problems, runs, scrape,
+    watching, workers,
 };
 
 /// Every route, and what each does.
@@ -39,24 +41,28 @@ pub fn routes() -> Routes {
         .merge(watching::routes())
         .merge(arenas::routes())
         .merge(checks::routes())
-        .merge(catalog::routes());
+        .merge(catalog::routes())
+        .merge(workers::routes());
     Routes::new()
         .merge(page::routes())
         .merge(health::routes())
         .merge(problems::routes())
         .merge(contract::routes())
+        .merge(scrape::routes())
         .below("/v1", v1)
 }
 
 /// The service: every route, behind the gate.
 pub fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, tokens: Tokens) -> Router {
     let (described, router) = routes().into_parts();
+    let metrics = Arc::new(Metrics::new(scheduler.counters()));
     let app = App {
         findings: Arc::new(Assembler::new(Arc::clone(&store), Arc::clone(&scheduler))),
         events: Hub::start(Arc::clone(&store), Arc::clone(&scheduler)),
         exports: exports::places(),
         viewers: Arc::new(Semaphore::new(watching::MAX_VIEWERS)),
         opened: Arc::new(Semaphore::new(watching::MAX_OPENED)),
+        metrics: Arc::clone(&metrics),
         openapi: openapi::text(&described).into(),
         store,
         scheduler,
@@ -75,7 +81,7 @@ pub fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, tokens: Tokens) -> R
         .layer(compression::layer())
         .layer(middleware::map_response(compression::weaken_tag))
         .layer(middleware::from_fn_with_state(
-            Gate::new(tokens),
+            Gate::new(tokens, metrics),
             guard::guard,
         ))
         .with_state(app)

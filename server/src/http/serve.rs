@@ -9,18 +9,21 @@ use std::time::Duration;
 
 use anyhow::{Context, anyhow, bail};
 use tokio::net::TcpListener;
+use tokio::time::MissedTickBehavior;
 
 use super::access::Tokens;
 use super::listen::listen;
 use super::router::router;
 use crate::channels::ChannelSettings;
 use crate::runner::default_run_memory_bytes;
-use crate::scheduler::{Scheduler, SchedulerConfig};
+use crate::scheduler::{Keep, Scheduler, SchedulerConfig};
 use crate::stop::Stop;
 use crate::store::Store;
 
 /// Most runs that may be unfinished.
 const UNFINISHED_LIMIT: u64 = 200_000;
+/// Time between two looks for jobs that are kept no longer.
+const RETENTION: Duration = Duration::from_secs(60);
 /// Largest file of tokens that is read.
 const MAX_TOKEN_FILE_BYTES: u64 = 4 << 20;
 
@@ -42,6 +45,10 @@ pub struct ServeOptions {
     pub tokens: Option<PathBuf>,
     /// Time that open requests have to end once the service is to stop.
     pub drain: Duration,
+    /// What is kept of jobs that have ended.
+    pub keep: Keep,
+    /// Most bytes of last states of runs that are done.
+    pub final_state_bytes: u64,
 }
 
 /// Serves until SIGINT or SIGTERM, then checkpoints every run.
@@ -52,6 +59,7 @@ pub struct ServeOptions {
 pub fn serve(options: ServeOptions) -> anyhow::Result<()> {
     let tokens = tokens(&options)?;
     let store = Arc::new(Store::open(&options.data)?);
+    store.finals().set_most_bytes(options.final_state_bytes);
     let workers = options
         .threads
         .and_then(NonZeroUsize::new)
@@ -79,6 +87,9 @@ pub fn serve(options: ServeOptions) -> anyhow::Result<()> {
         let scheduler = Arc::new(Scheduler::start(Arc::clone(&store), config)?);
         let stop = Stop::on_signals(1)?;
         let routes = router(store, Arc::clone(&scheduler), tokens);
+        if options.keep.is_limited() {
+            tokio::spawn(retain(Arc::clone(&scheduler), options.keep));
+        }
         announce(address);
         // Runs are let go of at once, not when the last request has ended.
         let parked = tokio::spawn({
@@ -153,6 +164,22 @@ async fn run(
     tokio::select! {
         () = server => {}
         () = too_late => tracing::warn!("requests were still open"),
+    }
+}
+
+/// Deletes now and then what is kept no longer.
+async fn retain(scheduler: Arc<Scheduler>, keep: Keep) {
+    let mut look = tokio::time::interval(RETENTION);
+    look.set_missed_tick_behavior(MissedTickBehavior::Delay);
+    loop {
+        look.tick().await;
+        let scheduler = Arc::clone(&scheduler);
+        let done = tokio::task::spawn_blocking(move || scheduler.retain(&keep).map(drop)).await;
+        match done {
+            Ok(Ok(())) => {}
+            Ok(Err(error)) => tracing::error!(%error, "ended jobs cannot be deleted"),
+            Err(error) => tracing::error!(%error, "ended jobs cannot be deleted"),
+        }
     }
 }
 

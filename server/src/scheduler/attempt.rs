@@ -8,6 +8,7 @@ use api::FieldError;
 use swarm::run::{Progress, Run};
 
 use super::SchedulerConfig;
+use super::counters::{CountedSteps, Counters};
 use super::live::{LiveRun, Views, findings_of};
 use crate::artifacts::{run_result, thread_cpu_s};
 use crate::channels::{AskError, Extent, External, FramePublisher};
@@ -30,6 +31,7 @@ pub enum Ended {
 pub fn attempt(
     store: &Arc<Store>,
     config: &SchedulerConfig,
+    counters: &Counters,
     claimed: &ClaimedRun,
     live: &LiveRun,
 ) -> Ended {
@@ -58,8 +60,9 @@ pub fn attempt(
     let mut checkpoints = Checkpoints::new(checkpoint_of, {
         let (store, id) = (Arc::clone(store), claimed.id.clone());
         let saves = Arc::clone(live.saves());
+        let counters = counters.clone();
         move |checkpoint| {
-            write(&store, &id, &checkpoint);
+            counters.time_checkpoint(|| write(&store, &id, &checkpoint));
             saves.is_written();
         }
     })
@@ -69,6 +72,7 @@ pub fn attempt(
     });
     let mut watched = Watched::new(&live.window, run.robots().len());
     let mut memory = MemoryBound::new(config.run_memory_bytes);
+    let mut steps = CountedSteps::new(counters, done_before);
     let mut pause = claimed.pause_at_step.map(PauseAt);
     let ended = runner::step_by(
         &mut run,
@@ -76,6 +80,7 @@ pub fn attempt(
         &|| live.is_stopping(),
         &mut [
             &mut memory,
+            &mut steps,
             &mut frames,
             &mut views,
             &mut watched,
@@ -170,10 +175,13 @@ pub fn checkpoint_of(run: &Run) -> Checkpoint {
 }
 
 /// A run without a checkpoint starts again after a crash, with the same result: a warning will do.
-fn write(store: &Store, id: &str, checkpoint: &Checkpoint) {
-    if let Err(error) = store.checkpoints().write(id, checkpoint) {
+/// Returns whether it is written.
+fn write(store: &Store, id: &str, checkpoint: &Checkpoint) -> bool {
+    let written = store.checkpoints().write(id, checkpoint);
+    if let Err(error) = &written {
         tracing::warn!(run = id, %error, "the checkpoint cannot be written");
     }
+    written.is_ok()
 }
 
 pub fn stored_spec(store: &Store, spec: &str) -> Result<ResolvedRun, Vec<FieldError>> {

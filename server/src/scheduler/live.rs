@@ -78,8 +78,9 @@ impl Saves {
 }
 
 /// A run in the hands of a worker.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct LiveRun {
+    begun: Instant,
     stop: AtomicBool,
     view: Mutex<Option<Arc<View>>>,
     pace: Mutex<Option<f64>>,
@@ -92,9 +93,17 @@ impl LiveRun {
     /// A run that is expected to do as many robot-steps a second as the one before it.
     pub fn new(pace: Option<f64>) -> Self {
         Self {
+            begun: Instant::now(),
+            stop: AtomicBool::new(false),
+            view: Mutex::default(),
             pace: Mutex::new(pace),
-            ..Self::default()
+            saves: Arc::default(),
         }
+    }
+
+    /// When the worker took it.
+    pub fn begun(&self) -> Instant {
+        self.begun
     }
 
     /// Robot-steps a second: those of the run before this one, and at its end its own.

@@ -10,12 +10,14 @@ mod control_error;
 #[cfg(test)]
 mod control_tests;
 mod controllers;
+mod counters;
 #[cfg(test)]
 mod fork_tests;
 mod forks;
 mod live;
 mod progress;
 mod queue;
+mod retention;
 mod submission;
 #[cfg(test)]
 mod tests;
@@ -24,8 +26,10 @@ mod workers;
 pub use arenas::StoredArenas;
 pub use config::SchedulerConfig;
 pub use control_error::ControlError;
+pub use counters::Counters;
 pub use live::{View, findings_of};
 pub use progress::share;
+pub use retention::Keep;
 pub use submission::{new_job, step_cost};
-pub use workers::Scheduler;
 use workers::Shared;
+pub use workers::{Busy, Scheduler};

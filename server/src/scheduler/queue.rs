@@ -68,6 +68,12 @@ impl FairQueue {
         found
     }
 
+    /// Runs that wait.
+    pub fn len(&self) -> usize {
+        let jobs = self.levels.values().flat_map(|level| level.jobs.values());
+        jobs.map(VecDeque::len).sum()
+    }
+
     fn level(&mut self, job: JobKey) -> &mut Level {
         let priority = self.priorities.get(&job).copied().unwrap_or(0);
         self.levels.entry(Reverse(priority)).or_default()

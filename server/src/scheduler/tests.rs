@@ -298,3 +298,37 @@ fn a_spec_that_cannot_be_run_fails_alone() {
         "{state:?}"
     );
 }
+
+#[test]
+fn ended_jobs_go_by_age_and_by_size_but_none_that_runs() {
+    let dir = tempfile::tempdir().unwrap();
+    let (store, scheduler) = start(dir.path(), 1);
+    let first = submit(&scheduler, &job(1, 1));
+    let second = submit(&scheduler, &job(2, 2));
+    wait_until_done(&store, first);
+    wait_until_done(&store, second);
+    let endless = submit(&scheduler, &job(1_000_000, 2));
+    let nothing = Keep::default();
+    assert!(!nothing.is_limited());
+    assert_eq!(scheduler.retain(&nothing).unwrap(), []);
+    let ended = store.ended_jobs().unwrap();
+    assert_eq!(ended.len(), 2);
+    assert!(ended[0].bytes > 10_000 && ended[1].bytes > ended[0].bytes);
+    let days = |days| Keep {
+        days: Some(days),
+        bytes: None,
+    };
+    assert_eq!(scheduler.retain(&days(1)).unwrap(), []);
+    let bytes = Keep {
+        days: None,
+        bytes: Some(ended[1].bytes),
+    };
+    assert_eq!(scheduler.retain(&bytes).unwrap(), [first]);
+    assert_eq!(scheduler.retain(&days(0)).unwrap(), [second]);
+    assert_eq!(scheduler.retain(&days(0)).unwrap(), []);
+    let left = store.jobs(None, 10).unwrap();
+    assert_eq!((left.len(), left[0].seq), (1, endless));
+    // One that was cancelled has ended too.
+    scheduler.set_intent(endless, Intent::Cancelled).unwrap();
+    assert_eq!(scheduler.retain(&days(0)).unwrap(), [endless]);
+}

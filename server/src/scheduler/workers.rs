@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use super::attempt::{self, Ended};
 use super::config::SchedulerConfig;
+use super::counters::Counters;
 use super::live::{LiveRun, View};
 use super::queue::FairQueue;
 use crate::break_points::{Place, reach};
@@ -37,6 +38,7 @@ pub struct Scheduler {
 pub(super) struct Shared {
     pub(super) store: Arc<Store>,
     pub(super) config: SchedulerConfig,
+    pub(super) counters: Counters,
     pub(super) state: Mutex<State>,
     pub(super) changed: Condvar,
 }
@@ -67,6 +69,7 @@ impl Scheduler {
         let shared = Arc::new(Shared {
             store,
             config,
+            counters: Counters::default(),
             state: Mutex::new(state),
             changed: Condvar::new(),
         });
@@ -156,6 +159,11 @@ impl Scheduler {
     /// When the store fails.
     pub fn delete(&self, job: JobKey) -> Result<(), StoreError> {
         let _changing = self.change(job);
+        self.delete_changing(job)
+    }
+
+    /// Deletes a job that nobody else changes meanwhile.
+    pub(super) fn delete_changing(&self, job: JobKey) -> Result<(), StoreError> {
         let gone = self.shared.store.delete_job(job)?;
         {
             let queue = &mut self.shared.state().queue;
@@ -203,6 +211,27 @@ impl Scheduler {
         self.shared.config.workers.get()
     }
 
+    /// What workers have done since the process started.
+    pub fn counters(&self) -> &Counters {
+        &self.shared.counters
+    }
+
+    /// Runs that wait in the queue of this process.
+    pub fn queued(&self) -> usize {
+        self.shared.state().queue.len()
+    }
+
+    /// Threads that have a run right now.
+    pub fn busy(&self) -> Vec<Busy> {
+        let state = self.shared.state();
+        let busy = |(run, live): (&RunKey, &Arc<LiveRun>)| Busy {
+            run: *run,
+            seconds: live.begun().elapsed().as_secs_f64(),
+            view: live.view(),
+        };
+        state.live.iter().map(busy).collect()
+    }
+
     /// The channels' settings.
     pub fn channels(&self) -> &ChannelSettings {
         &self.shared.config.channels
@@ -242,6 +271,17 @@ impl Scheduler {
     pub(super) fn workers(&self) -> MutexGuard<'_, Vec<JoinHandle<()>>> {
         self.workers.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+/// A thread that has a run.
+#[derive(Clone, Debug)]
+pub struct Busy {
+    /// The run.
+    pub run: RunKey,
+    /// Time since it took it.
+    pub seconds: f64,
+    /// How far the run is; `None` while it is set up.
+    pub view: Option<Arc<View>>,
 }
 
 /// While it lives, a job is changed by whoever has it alone.
@@ -354,8 +394,9 @@ impl Shared {
     /// Steps a claimed run and stores what became of it.
     pub(super) fn step(&self, claimed: &ClaimedRun, live: &LiveRun) {
         let _span = tracing::info_span!("run", id = claimed.id).entered();
-        let stepping =
-            AssertUnwindSafe(|| attempt::attempt(&self.store, &self.config, claimed, live));
+        let stepping = AssertUnwindSafe(|| {
+            attempt::attempt(&self.store, &self.config, &self.counters, claimed, live)
+        });
         let ended = catch_unwind(stepping).unwrap_or_else(|panic| Ended::Failed(said(&*panic)));
         match ended {
             Ended::Finished(finished, last) => {

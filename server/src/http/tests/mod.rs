@@ -10,6 +10,7 @@ mod forks;
 mod jobs;
 mod objects;
 mod openapi;
+mod operations;
 mod report;
 mod watching;
 

@@ -24,6 +24,7 @@ fn migrations() -> Migrations<'static> {
         plain(include_str!("9_events.sql")),
         plain(include_str!("10_origins.sql")),
         plain(include_str!("11_controllers.sql")),
+        plain(include_str!("12_ends.sql")),
     ])
 }
 
