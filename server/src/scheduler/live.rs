@@ -98,6 +98,7 @@ impl LiveRun {
             view: Mutex::default(),
             pace: Mutex::new(pace),
             saves: Arc::default(),
+            window: Window::default(),
         }
     }
 
