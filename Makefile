@@ -51,7 +51,7 @@ test-dashboard: build dashboard
 		CARGO_TARGET_DIR=$(abspath $(TARGET)) npm run --silent browser
 
 # Pictures of the page, made by its tests; those that documents show are checked in.
-SHOWN := job run new editor thousand-robots overview-dark run-phone
+SHOWN := job run new editor overview-dark run-phone
 dashboard-pictures: build dashboard
 	mkdir -p $(TARGET)/pictures
 	cd $(DASHBOARD) && PICTURES=$(abspath $(TARGET))/pictures CARGO_TARGET_DIR=$(abspath $(TARGET)) \

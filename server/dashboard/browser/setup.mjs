@@ -109,8 +109,11 @@ export async function barriers(page) {
 }
 
 /** Screenshots go to this folder when it is named. */
-export async function picture(page, name) {
-  if (process.env.PICTURES) await page.screenshot({ path: join(process.env.PICTURES, `dashboard-${name}.png`) });
+export async function picture(page, name, shown) {
+  if (!process.env.PICTURES) return;
+  if (shown) await shown.scrollIntoViewIfNeeded();
+  else await page.evaluate(() => scrollTo(0, 0));
+  await page.screenshot({ path: join(process.env.PICTURES, `dashboard-${name}.png`) });
 }
 
 /** That a screen has no barrier and nothing that stands out of the window. */

@@ -119,7 +119,7 @@ test("an arena is drawn, and the server says what can be reached in it", async (
   await page.mouse.click(...at(0.5, 0.1));
   assert.equal((await json(page)).base.arena.objects.length, 1);
   await assertWell(page, "editor");
-  await picture(page, "editor");
+  await picture(page, "editor", editor);
   await page.getByRole("button", { name: "Undo" }).click();
   await page.getByRole("button", { name: "Undo" }).click();
   assert.deepEqual((await json(page)).base.arena.walls_m, before.walls_m);

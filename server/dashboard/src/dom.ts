@@ -51,6 +51,11 @@ export function write(element: Element, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }
 
+/** Fills a bar; one without a value would move for ever. */
+export function measure(bar: HTMLProgressElement, share: number): void {
+  if (!bar.hasAttribute("value") || bar.value !== share) bar.value = share;
+}
+
 /** Shows or hides. */
 export function show(element: HTMLElement, visible: boolean): void {
   if (element.hidden === visible) element.hidden = !visible;

@@ -2,7 +2,7 @@
 // All that is pooled is pooled by the server over every run of the job, never over a page of them.
 
 import { calm, trouble, type Screen } from "../alert";
-import { h, show, write } from "../dom";
+import { h, measure as fill, show, write } from "../dom";
 import { choose, link } from "../route";
 import { post, read, remove, watch } from "../server";
 import { events } from "../stream";
@@ -139,7 +139,7 @@ export function jobScreen(id: string, options: URLSearchParams): Screen {
     document.title = `${title(next)} – evswarm`;
     write(badge, next.state);
     badge.dataset["state"] = next.state;
-    if (bar.value !== next.progress) bar.value = next.progress;
+    fill(bar, next.progress);
     const ended = ENDED.includes(next.state);
     show(pause, ["queued", "running"].includes(next.state));
     show(resume, next.state === "paused");

@@ -1,6 +1,6 @@
 // The list of jobs at the side: search, states, progress; newest first.
 
-import { h, keyed, show, write } from "../dom";
+import { h, keyed, measure, show, write } from "../dom";
 import { link } from "../route";
 import { read, watch } from "../server";
 import type { Job, Page } from "../types";
@@ -72,7 +72,7 @@ export function jobList(tell: (rate: string) => void): JobList {
     write(name, title(job));
     write(badge, job.state);
     badge.dataset["state"] = job.state;
-    if (bar.value !== job.progress) bar.value = job.progress;
+    measure(bar, job.progress);
     write(
       facts,
       sentence(

@@ -8,12 +8,17 @@ import { trouble, type Screen } from "../alert";
 import { title } from "./list";
 import { pace, percent, sentence, whole } from "../words";
 
+/** Jobs that are done which are shown. */
+const LATELY = 10;
+
 export function overview(): Screen {
   const counts = h("p", { class: "facts" });
   const running = h("ol", { class: "plain" });
   const wrong = h("ol", { class: "plain" });
   const wrongTitle = h("h3", { hidden: true }, "Failed");
   const runningTitle = h("h3", { hidden: true }, "Under way");
+  const done = h("ol", { class: "plain" });
+  const doneTitle = h("h3", { hidden: true }, "Done lately");
   const start = h("button", { type: "button", class: "primary" }, "Start a first job");
   const welcome = h(
     "section",
@@ -31,7 +36,7 @@ export function overview(): Screen {
     "section",
     { class: "panel", hidden: true, "aria-labelledby": "overview-title" },
     h("h2", { id: "overview-title" }, "Overview"),
-    counts, runningTitle, running, wrongTitle, wrong,
+    counts, runningTitle, running, wrongTitle, wrong, doneTitle, done,
   );
 
   start.addEventListener("click", () => void first(start));
@@ -69,6 +74,9 @@ export function overview(): Screen {
     );
     keyed(running, active, (job) => job.id, row, fill);
     keyed(wrong, failed, (job) => job.id, row, fill);
+    const ended = at("done").slice(0, LATELY);
+    keyed(done, ended, (job) => job.id, row, fill);
+    show(doneTitle, ended.length > 0);
     show(runningTitle, active.length > 0);
     show(wrongTitle, failed.length > 0);
   };

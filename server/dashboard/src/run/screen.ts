@@ -1,7 +1,7 @@
 // A run, live: where its robots are, what they covered, what one of them senses and has learnt.
 
 import { calm, trouble, type Screen } from "../alert";
-import { h, keyed, show, write } from "../dom";
+import { h, keyed, measure, show, write } from "../dom";
 import { choose, link } from "../route";
 import { post, read, watch } from "../server";
 import { events } from "../stream";
@@ -141,7 +141,7 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
     ));
   };
   const showProgress = (progress: Progress | null): void => {
-    bar.value = progress?.fraction ?? (run?.state === "done" ? 1 : 0);
+    measure(bar, progress?.fraction ?? (run?.state === "done" ? 1 : 0));
     write(
       facts,
       sentence(
