@@ -1,5 +1,7 @@
 //! What the service offers: arenas, controllers with their parameters, prepared jobs.
 
+use std::collections::BTreeMap;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -58,6 +60,15 @@ pub struct ParameterListing {
     pub source: String,
 }
 
+/// A named set of parameters that stand where a spec gives none.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PresetListing {
+    /// Name, for `controller.preset`.
+    pub name: String,
+    /// What it sets besides the defaults.
+    pub parameters: BTreeMap<String, Value>,
+}
+
 /// Everything that `controller` and `robot` of a run spec may hold.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ControllerListing {
@@ -69,6 +80,8 @@ pub struct ControllerListing {
     pub parameters: Vec<ParameterListing>,
     /// Values of `robot.preset`.
     pub presets: Vec<String>,
+    /// Values of `controller.preset`, and what each sets.
+    pub controller_presets: Vec<PresetListing>,
     /// Parameters beside `robot.preset`; defaults are those of the first preset.
     pub robot_parameters: Vec<ParameterListing>,
 }

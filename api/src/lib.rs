@@ -25,7 +25,7 @@ mod workers;
 
 pub use catalog::{
     ArenaList, ArenaListing, ControllerListing, Health, MethodListing, ParameterListing,
-    TemplateList, TemplateListing, Version,
+    PresetListing, TemplateList, TemplateListing, Version,
 };
 pub use control::{CheckpointInfo, Epochs, ExtendJob, Fork, Priority, RunLog, RunLogEntry};
 pub use job::{Job, JobPage, RunCounts, RunOrigin, RunPage, RunSummary};
@@ -33,12 +33,12 @@ pub use objects::{ObjectSample, ObjectTrack, ObjectTracks};
 pub use problem::{FieldError, Problem, ProblemList, ProblemMeaning};
 pub use problem_codes::ProblemCode;
 pub use result::{
-    ClusterCounts, Coverage, CurveRow, Fractions, Memory, MemoryPlan, MetricValues, Metrics,
-    MetricsRow, ModelAccuracy, ObjectResult, RunResult, Squares,
+    ClusterCounts, Coverage, CurveRow, Fractions, Levels, Memory, MemoryPlan, MetricValues,
+    Metrics, MetricsRow, ModelAccuracy, ObjectResult, RunResult, Squares,
 };
 pub use spec::{
     ArenaRef, ControllerSpec, JobPart, JobSpec, PlacementSpec, RecordSpec, RobotSpec, RunSpec,
-    SCHEMA, Seeds, SharingSpec, TrainSpec,
+    SCHEMA, Seeds, SharingSpec, StartSpec, TrainSpec,
 };
 pub use state::{Progress, State};
 pub use summary::JobSummary;

@@ -34,6 +34,25 @@ pub struct Fractions {
     pub p10: f64,
 }
 
+/// Squares with at least 1, 2, 5 and 10 of what is counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Levels {
+    /// At least one.
+    pub p1: u32,
+    /// At least two.
+    pub p2: u32,
+    /// At least five.
+    pub p5: u32,
+    /// At least ten.
+    pub p10: u32,
+}
+
+impl From<[u32; 4]> for Levels {
+    fn from([p1, p2, p5, p10]: [u32; 4]) -> Self {
+        Self { p1, p2, p5, p10 }
+    }
+}
+
 /// Clusters of the first robot's learner; 0 where the method has none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct ClusterCounts {
@@ -169,6 +188,10 @@ pub struct RunResult {
     pub reachable: u32,
     /// The four counts inside the reachable squares, as shares of `reachable`.
     pub fractions: Fractions,
+    /// Squares by the steps spent in them, where `p1` to `p10` go by entries; absent in results of
+    /// versions that did not tell it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dwell: Option<Levels>,
     /// Swarm metrics at the end; null in results of versions that had none.
     #[serde(default)]
     pub metrics: Option<MetricValues>,

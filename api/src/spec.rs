@@ -40,7 +40,10 @@ pub struct RunSpec {
     /// `start`, `grid` or `random`; or an object, to place robots where no start pose reaches.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub placement: Option<PlacementSpec>,
-    /// `reset` or `continue`.
+    /// In place of the first start pose of the arena, and of the training arena; null for those.
+    #[serde(default)]
+    pub start: Option<StartSpec>,
+    /// `reset`, `continue` or `continue-exploring`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub episodes: Option<String>,
     /// Body, wheels and sensors.
@@ -73,12 +76,30 @@ pub enum ArenaRef {
     Inline(serde_json::Map<String, Value>),
 }
 
+/// A start pose; what is not given stays as the arena has it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct StartSpec {
+    /// Metres from the left wall.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub x_m: Option<f64>,
+    /// Metres from the bottom wall.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub y_m: Option<f64>,
+    /// Counter-clockwise from the x axis, radians.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub heading_rad: Option<f64>,
+}
+
 /// A method with its parameters beside it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ControllerSpec {
     /// Name of the method, such as `ev-iter-c`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub method: Option<String>,
+    /// Named set of parameters that stand where none are given; a resolved spec has them instead.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub preset: Option<String>,
     /// Where it trains, for the methods that do.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub train: Option<TrainSpec>,

@@ -112,6 +112,19 @@ impl Arena {
         &self.starts
     }
 
+    /// The same arena with another first start pose, of finite numbers; whether a robot fits there is
+    /// for [`Self::check_starts`] to say.
+    #[must_use]
+    pub fn with_first_start(mut self, start: Pose) -> Self {
+        // Negative zeros become zeros, as in every arena.
+        self.starts[0] = Pose {
+            x_m: start.x_m + 0.0,
+            y_m: start.y_m + 0.0,
+            heading_rad: start.heading_rad + 0.0,
+        };
+        self
+    }
+
     /// Movable objects, where they begin.
     pub fn objects(&self) -> &[Movable] {
         &self.objects

@@ -142,7 +142,7 @@ pub const RUN_FILES: &[RunFile] = &[
     ),
     holding(
         form(Some("result.json"), Some("result"), JSON, Maker::Result),
-        "`p1` to `p10`, reachable squares, swarm metrics, steps, collisions, clusters, accuracy of \
+        "`p1` to `p10`, the same by steps spent in a square (`dwell`), reachable squares, swarm metrics, steps, collisions, clusters, accuracy of \
          the transition model, bytes and memory plan of the learners, SHA-256 of the final state",
     ),
     holding(

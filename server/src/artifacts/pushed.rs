@@ -1,8 +1,8 @@
 //! Movable objects in the coverage picture: where they are, where they began, and the way between.
 
 use arenas::Movable;
+use swarm::methods::Explores;
 use swarm::run::Tracks;
-use swarm::spec::Episodes;
 use swarm::world::ObjectPose;
 
 use super::palette::{Colour, OBJECT, OBJECT_START, WHITE};
@@ -78,11 +78,14 @@ pub fn pushed(spec: &ResolvedRun, tracks: &Tracks) -> Vec<Pushed> {
     let run = spec.run_spec();
     let epoch_steps = u64::from(run.steps_per_epoch);
     let last = tracks.moments().next_back().map_or(0, |last| last.steps);
-    let began = match run.episodes {
-        Episodes::Reset => last.saturating_sub(1) / epoch_steps * epoch_steps,
-        Episodes::Continue => 0,
+    let evolving = run.controller.method.definition().explores == Explores::Evolving;
+    let resets = run.episodes.reset(evolving);
+    let began = if resets {
+        last.saturating_sub(1) / epoch_steps * epoch_steps
+    } else {
+        0
     };
-    let shown = |steps| steps > began || run.episodes == Episodes::Continue;
+    let shown = |steps| steps > began || !resets;
     for moment in tracks.moments().filter(|moment| shown(moment.steps)) {
         for (object, sample) in objects.iter_mut().zip(moment.objects) {
             object.go_to(sample.pose);

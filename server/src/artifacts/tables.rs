@@ -31,6 +31,7 @@ pub fn run_result(outcome: &Outcome) -> RunResult {
         p10,
         reachable: outcome.reachable,
         fractions: fractions(outcome.coverage_reachable, outcome.reachable),
+        dwell: Some(outcome.dwell.into()),
         metrics: Some(metric_values(outcome.metrics.iter().copied())),
         steps: outcome.robot_steps,
         collisions: outcome.collisions,

@@ -49,6 +49,7 @@ fn outcome() -> Outcome {
         },
         reachable: 64,
         coverage_reachable: [38, 35, 24, 8],
+        dwell: [46, 45, 40, 20],
         robot_steps: 4_000,
         collisions: 17,
         sensor_clusters: 3,

@@ -165,6 +165,13 @@ pub fn controllers(json: bool) -> Result<(), Failure> {
     }
     lines.push("\nparameters (controller.*):".to_owned());
     lines.extend(listing.parameters.iter().map(parameter));
+    lines.push("\npresets (controller.preset), and what they set:".to_owned());
+    for preset in &listing.controller_presets {
+        let set = preset.parameters.iter();
+        let set: Vec<String> = set.map(|(name, value)| format!("{name} {value}")).collect();
+        let line = format!("  {:<14} {}", preset.name, set.join(", "));
+        lines.push(line.trim_end().to_owned());
+    }
     lines.push(format!(
         "\nrobot presets (robot.preset): {}",
         listing.presets.join(", ")

@@ -9,12 +9,13 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, anyhow};
 use api::State;
 use serde::Serialize;
+use serde_json::{Map, Value};
 
 use super::progress::Meter;
 use super::{Failure, output};
 use crate::artifacts;
 use crate::channels::ChannelSettings;
-use crate::documents::ExpandedJob;
+use crate::documents::{self, ExpandedJob};
 use crate::reproduce::{Plan, Report, Settings, replace};
 use crate::runner::default_run_memory_bytes;
 use crate::scheduler::{Scheduler, SchedulerConfig, new_job};
@@ -46,6 +47,10 @@ pub struct ReproduceArguments {
     /// that out [default: 5; 1 with --quick].
     #[arg(long, value_parser = clap::value_parser!(u32).range(0..=1_000))]
     rapier_seeds: Option<u32>,
+    /// Fields that every run has, a JSON object as a run spec has them, such as
+    /// {"controller": {"preset": "printed"}}: the claims under other settings.
+    #[arg(long, value_name = "FILE")]
+    base: Option<PathBuf>,
     /// Runs at a time; no result depends on it [default: one a processor].
     #[arg(long, value_parser = super::values::threads)]
     threads: Option<usize>,
@@ -69,26 +74,41 @@ pub fn reproduce(arguments: &ReproduceArguments) -> Result<(), Failure> {
         Some(threads) => threads,
         None => thread::available_parallelism().map_or(1, usize::from),
     };
+    let base = match &arguments.base {
+        Some(path) => read_base(path)?,
+        None => Map::new(),
+    };
     let stop = Stop::on_signals(super::EXIT_FAILED.into())?;
-    let verdicts = carry_out(settings, &arguments.out, threads, &stop)?;
+    let verdicts = carry_out(settings, base, &arguments.out, threads, &stop)?;
     for line in verdicts {
         output::say(line)?;
     }
     output::say(arguments.out.join("report.html").display())
 }
 
+/// The JSON object of a file.
+fn read_base(path: &Path) -> Result<Map<String, Value>, Failure> {
+    let shown = path.display();
+    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {shown}"))?;
+    match documents::parse(&text).map_err(Failure::WrongSpec)? {
+        Value::Object(base) => Ok(base),
+        _ => Err(anyhow!("{shown} holds no JSON object").into()),
+    }
+}
+
 /// Has the scheduler do what is left to do, writes the report and `timing.json`; a line for each
 /// claim.
 fn carry_out(
     settings: Settings,
+    base: Map<String, Value>,
     out: &Path,
     threads: usize,
     stop: &Stop,
 ) -> Result<Vec<String>, Failure> {
     let began = Instant::now();
     let cpu_s = artifacts::process_cpu_s();
-    let job = settings.job().map_err(Failure::WrongSpec)?;
-    let plan = Plan::new(settings, &job);
+    let job = settings.job_over(&base).map_err(Failure::WrongSpec)?;
+    let plan = Plan::new(settings, &job).over(base);
     let store = Arc::new(Store::open(&out.join("data"))?);
     let runs = job.runs.len() as u64;
     let seq = submit(&store, job)?;
@@ -248,7 +268,7 @@ mod tests {
 
     fn all_of(settings: &Settings, out: &Path, threads: usize) -> Vec<String> {
         let never = Stop::fixed(false);
-        carry_out(settings.clone(), out, threads, &never).unwrap_or_else(|failure| {
+        carry_out(settings.clone(), Map::new(), out, threads, &never).unwrap_or_else(|failure| {
             panic!("{failure:?}");
         })
     }
@@ -306,7 +326,7 @@ mod tests {
         let (settings, home) = (settings(), tempfile::tempdir().unwrap());
         let out = home.path().join("out");
         let stopped = Stop::fixed(true);
-        let failure = carry_out(settings.clone(), &out, 2, &stopped).unwrap_err();
+        let failure = carry_out(settings.clone(), Map::new(), &out, 2, &stopped).unwrap_err();
         assert!(format!("{failure:?}").contains("goes on from here"));
         assert!(!out.join("report.md").exists());
         all_of(&settings, &out, 2);

@@ -6,7 +6,7 @@ use serde_json::Value;
 use swarm::methods::Trains;
 use swarm::parameters::{Parameter, ParameterError, Shown, Value as ParameterValue};
 use swarm::robot::{Preset, RobotModel, RobotParameters};
-use swarm::spec::{ControllerParameters, ControllerSpec, Method, Training};
+use swarm::spec::{ControllerParameters, ControllerPreset, ControllerSpec, Method, Training};
 
 use super::arena::Arenas;
 use super::domains::{Choice, Whole};
@@ -20,6 +20,13 @@ pub(super) const METHOD: Choice<Method> = Choice {
     read: Method::from_name,
     shown: Method::name,
     default: Method::EvIterC,
+};
+pub(super) const CONTROLLER_PRESET: Choice<ControllerPreset> = Choice {
+    name: "preset",
+    names: ControllerPreset::NAMES,
+    read: ControllerPreset::from_name,
+    shown: ControllerPreset::name,
+    default: ControllerPreset::Default,
 };
 pub(super) const PRESET: Choice<Preset> = Choice {
     name: "preset",
@@ -42,13 +49,15 @@ pub fn controller(
     arenas: &mut Arenas<'_>,
     errors: &mut Errors,
 ) -> Option<(ControllerSpec, api::ControllerSpec)> {
-    let known = ["method", "train"]
+    let known = ["method", "preset", "train"]
         .into_iter()
         .chain(names(ControllerParameters::TABLE))
         .chain(Method::ALL.iter().flat_map(|&method| own_names(method)));
     let object = Object::open(value, "/controller", known, errors)?;
     let method = object.choice(&METHOD, errors);
-    let mut parameters = ControllerParameters::default();
+    // Not shown: a resolved spec has every parameter, so that the same run is one run.
+    let preset = object.choice(&CONTROLLER_PRESET, errors);
+    let mut parameters = ControllerParameters::preset(preset);
     set_all(
         &object,
         ControllerParameters::TABLE,
@@ -77,6 +86,7 @@ pub fn controller(
     };
     let shown = api::ControllerSpec {
         method: Some(method.name().to_owned()),
+        preset: None,
         train,
         parameters: shown_values(parameters.shown().into_iter().chain(own.shown().to_vec())),
     };

@@ -1,10 +1,10 @@
 //! `GET /v1/controllers` and `evswarm controllers`: the parameter tables as a document.
 
-use api::{ControllerListing, MethodListing, ParameterListing, SCHEMA};
+use api::{ControllerListing, MethodListing, ParameterListing, PresetListing, SCHEMA};
 use serde_json::Value;
 use swarm::parameters::{Parameter, Shown};
 use swarm::robot::{Preset, RobotParameters};
-use swarm::spec::{ControllerParameters, Method};
+use swarm::spec::{ControllerParameters, ControllerPreset, Method};
 
 /// Every method, preset and parameter.
 pub fn controllers() -> ControllerListing {
@@ -19,6 +19,7 @@ pub fn controllers() -> ControllerListing {
             .iter()
             .map(|name| (*name).to_owned())
             .collect(),
+        controller_presets: ControllerPreset::ALL.iter().map(|&p| preset(p)).collect(),
         robot_parameters: parameters(RobotParameters::TABLE, RobotParameters::default().shown()),
     }
 }
@@ -32,6 +33,22 @@ fn listed(method: Method) -> MethodListing {
         source: definition.source.to_owned(),
         trains: definition.trains.words().to_owned(),
         parameters: parameters(own.table(), own.shown().to_vec()),
+    }
+}
+
+/// A preset with what it sets besides the defaults.
+fn preset(preset: ControllerPreset) -> PresetListing {
+    let own = ControllerParameters::preset(preset).shown();
+    let defaults = ControllerParameters::default().shown();
+    let set = own
+        .into_iter()
+        .zip(defaults)
+        .filter(|(own, default)| own != default);
+    PresetListing {
+        name: preset.name().to_owned(),
+        parameters: set
+            .map(|((name, value), _)| (name.to_owned(), shown_value(value)))
+            .collect(),
     }
 }
 

@@ -23,6 +23,7 @@ mod placement;
 mod resolve;
 mod resolved;
 pub mod schemas;
+mod start;
 mod template_list;
 mod templates;
 

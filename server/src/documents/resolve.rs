@@ -12,9 +12,10 @@ use super::learning;
 use super::limits::{MAX_EPOCHS, MAX_ROBOTS, MAX_SEED, MAX_STEPS_PER_EPOCH};
 use super::placement;
 use super::resolved::ResolvedRun;
+use super::start::Start;
 
 /// Fields of a run spec.
-pub(super) const FIELDS: [&str; 16] = [
+pub(super) const FIELDS: [&str; 17] = [
     SCHEMA_LINK,
     "schema",
     "seed",
@@ -24,6 +25,7 @@ pub(super) const FIELDS: [&str; 16] = [
     "steps_per_epoch",
     "robots",
     "placement",
+    "start",
     "episodes",
     "robot",
     "engine",
@@ -135,6 +137,7 @@ fn read(
     let steps = object.whole(&STEPS_PER_EPOCH, errors) as u32;
     let robots = object.whole(&ROBOTS, errors) as u32;
     let placement = placement::read(&object, errors);
+    let start = Start::read(&object, errors);
     let episodes = object.choice(&EPISODES, errors);
     let robot = controller::robot(section("robot"), errors);
     let engine = object.choice(&ENGINE, errors);
@@ -143,8 +146,18 @@ fn read(
     record(section("record"), errors);
     let channels = object.flag(&CHANNELS, errors);
 
-    let (arena, (controller, controller_shown), (robot, robot_shown), (sharing, sharing_shown)) =
-        (arena?, controller?, robot?, sharing?);
+    let (
+        mut arena,
+        (mut controller, controller_shown),
+        (robot, robot_shown),
+        (sharing, sharing_shown),
+    ) = (arena?, controller?, robot?, sharing?);
+    if let Some(start) = &start {
+        arena.arena = start.put_into(&arena.arena, errors);
+        if let Some(training) = &mut controller.training {
+            training.arena = start.put_into(&training.arena, errors);
+        }
+    }
     let run = RunSpec {
         seed,
         arena: arena.arena,
@@ -168,6 +181,7 @@ fn read(
         steps_per_epoch: Some(steps),
         robots: Some(robots),
         placement: Some(placement::shown(placement)),
+        start: start.as_ref().map(Start::shown),
         episodes: Some(episodes.name().to_owned()),
         robot: Some(robot_shown),
         engine: Some(engine.name().to_owned()),

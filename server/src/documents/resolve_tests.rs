@@ -3,7 +3,7 @@
 
 use proptest::prelude::*;
 use serde_json::{Value, json};
-use swarm::spec::Method;
+use swarm::spec::{ControllerParameters, ControllerPreset, Method};
 
 use super::testing::{any_json, refused, resolved, two_rooms};
 use super::*;
@@ -33,6 +33,8 @@ fn resolving_what_was_resolved_changes_nothing() {
         json!({ "seed": MAX_SEED, "arena": two_rooms(), "channels": true }),
         json!({ "controller": { "method": "im", "alpha": 0.1, "eta": 1e-3, "lambda": 7.0 } }),
         json!({ "controller": { "method": "im", "states_from": "phase-1" } }),
+        json!({ "arena": "easy", "start": { "heading_rad": 0.5 }, "episodes": "continue-exploring" }),
+        json!({ "arena": "easy", "start": { "x_m": 0.07, "y_m": 0.08, "heading_rad": 1 } }),
         json!({ "controller": { "method": "discovery", "train": { "arena": two_rooms() } } }),
         json!({ "controller": { "method": "brownian" }, "robot": { "preset": "epuck2", "mass_kg": 0.2 } }),
         json!({ "arena": { "name": "made", "width_m": 1.2, "height_m": 1.2,
@@ -72,6 +74,70 @@ fn every_field_of_the_contract_is_shown_in_its_order() {
 }
 
 #[test]
+fn a_start_is_the_first_of_the_arena_and_of_the_training_arena() {
+    let run = resolved(json!({ "arena": "graph", "start": { "heading_rad": 1.25 } })).run_spec();
+    let training = &run.controller.training.as_ref().unwrap().arena;
+    for (arena, name) in [(&run.arena, "graph"), (training, "easy")] {
+        let (start, own) = (
+            arena.starts()[0],
+            arenas::builtin(name).unwrap().starts()[0],
+        );
+        assert_eq!((start.x_m, start.y_m), (own.x_m, own.y_m));
+        assert_eq!(start.heading_rad, 1.25);
+    }
+    assert_eq!(
+        resolved(json!({ "start": null })).key(),
+        resolved(json!({})).key()
+    );
+}
+
+#[test]
+fn a_preset_stands_where_nothing_is_said() {
+    let with = |controller: Value| resolved(json!({ "controller": controller }));
+    let printed = with(json!({ "preset": "printed" })).run_spec();
+    let p = &printed.controller.parameters;
+    assert_eq!(*p, ControllerParameters::preset(ControllerPreset::Printed));
+    let mixed = with(json!({ "preset": "printed", "alpha": 0.1 })).run_spec();
+    assert_eq!(mixed.controller.parameters.alpha, 0.1);
+    assert_eq!(mixed.controller.parameters.slope, p.slope);
+    // A preset is short for its values: the same run has the same id.
+    let listed = controllers().controller_presets;
+    let values = listed
+        .iter()
+        .find(|preset| preset.name == "printed")
+        .unwrap();
+    let spelt = with(serde_json::to_value(&values.parameters).unwrap());
+    assert_eq!(spelt.key(), with(json!({ "preset": "printed" })).key());
+    assert_eq!(
+        with(json!({ "preset": "default" })).key(),
+        with(json!({})).key()
+    );
+    check(
+        json!({ "controller": { "preset": "printd" } }),
+        "/controller/preset",
+        "did you mean \"printed\"?",
+    );
+}
+
+/// The values that the thesis prints are kept by the preset that says so.
+#[test]
+fn the_printed_preset_keeps_what_is_printed() {
+    let p = ControllerParameters::preset(ControllerPreset::Printed);
+    assert_eq!(
+        (
+            p.epsilon_sensori_motor,
+            p.epsilon_actuator,
+            p.epsilon_sensor
+        ),
+        (1.8, 0.6, 1.0)
+    );
+    assert_eq!((p.lambda, p.lambda_total), (60, 500));
+    assert_eq!((p.eta, p.alpha), (0.05, 0.7));
+    assert_eq!((p.sigma, p.restart_after), (0.2, 30));
+    assert_eq!(p.initial_weight_variance, 0.1);
+}
+
+#[test]
 fn keys_tell_runs_apart() {
     let key = |spec: Value| resolved(spec).key();
     let default = key(json!({}));
@@ -89,6 +155,7 @@ fn keys_tell_runs_apart() {
         key(json!({ "channels": true })),
         key(json!({ "arena": two_rooms() })),
         key(json!({ "arena": moved })),
+        key(json!({ "start": { "heading_rad": 0.5 } })),
     ];
     let distinct: std::collections::BTreeSet<_> = keys.iter().collect();
     assert_eq!(distinct.len(), keys.len());
@@ -154,6 +221,31 @@ fn wrong_specs_are_refused_where_they_are_wrong() {
         json!({ "episodes": 3 }),
         "/episodes",
         "must be a string, not a number",
+    );
+    check(
+        json!({ "start": { "heading_rad": "north" } }),
+        "/start/heading_rad",
+        "not a string",
+    );
+    check(
+        json!({ "start": { "heading_rad": 1e9 } }),
+        "/start/heading_rad",
+        "out of range",
+    );
+    check(
+        json!({ "arena": "easy", "start": { "x_m": 2 } }),
+        "/start",
+        "outside the arena easy",
+    );
+    check(
+        json!({ "arena": "easy", "start": { "x_m": 0.01 } }),
+        "/arena/starts/0",
+        "from the boundary",
+    );
+    check(
+        json!({ "start": { "y": 0.1 } }),
+        "/start/y",
+        "there is no field",
     );
     check(
         json!({ "engine": "bullet" }),

@@ -28,6 +28,18 @@ const BEFORE_METRICS: &[Measure] = &[
     ("fractions.p10", Kind::Real, |found| {
         found.fractions.p10.into()
     }),
+    ("dwell.p1", Kind::Whole, |found| {
+        found.dwell.map(|levels| levels.p1).into()
+    }),
+    ("dwell.p2", Kind::Whole, |found| {
+        found.dwell.map(|levels| levels.p2).into()
+    }),
+    ("dwell.p5", Kind::Whole, |found| {
+        found.dwell.map(|levels| levels.p5).into()
+    }),
+    ("dwell.p10", Kind::Whole, |found| {
+        found.dwell.map(|levels| levels.p10).into()
+    }),
 ];
 
 const AFTER_METRICS: &[Measure] = &[

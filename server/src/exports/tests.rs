@@ -57,6 +57,12 @@ fn every_field_of_every_spec_has_a_column() {
     for path in found {
         // A placement that says more is told in two columns.
         let path = path.replace("placement.kind", "placement");
+        // Null where the arenas' own start stays.
+        let path = if path == "start" {
+            "start.x_m".to_owned()
+        } else {
+            path
+        };
         assert!(path == "schema" || known.contains(&path), "{path}");
     }
 }

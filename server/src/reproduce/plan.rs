@@ -2,7 +2,7 @@
 
 use anyhow::Context;
 use api::{FieldError, RunSpec};
-use serde_json::json;
+use serde_json::{Map, Value};
 use swarm::spec::EngineKind;
 
 use crate::documents::{
@@ -35,6 +35,8 @@ pub struct Plan {
     pub settings: Settings,
     /// The runs; no two with the same key.
     pub runs: Vec<PlannedRun>,
+    /// Fields that every run has beside the settings.
+    pub base: Map<String, Value>,
 }
 
 /// One run and where it belongs.
@@ -61,8 +63,18 @@ impl Settings {
     /// # Errors
     /// Every setting that cannot be used, with its place in the job.
     pub fn job(&self) -> Result<ExpandedJob, Vec<FieldError>> {
+        self.job_over(&Map::new())
+    }
+
+    /// The job of these settings with other fields of every run, as a run spec has them.
+    ///
+    /// # Errors
+    /// As [`Settings::job`].
+    pub fn job_over(&self, fields: &Map<String, Value>) -> Result<ExpandedJob, Vec<FieldError>> {
         let arenas: Vec<&str> = self.arenas.iter().map(String::as_str).collect();
-        let base = json!({ "epochs": self.epochs, "steps_per_epoch": self.steps_per_epoch });
+        let mut base = Value::Object(fields.clone());
+        base["epochs"] = self.epochs.into();
+        base["steps_per_epoch"] = self.steps_per_epoch.into();
         let mut job = chapter_5(&arenas, base, self.seeds, self.rapier_seeds);
         job["name"] = documents::CHAPTER_5.into();
         documents::expand(&job, &BuiltinArenas)
@@ -138,7 +150,14 @@ impl Plan {
         Self {
             runs: runs.collect(),
             settings,
+            base: Map::new(),
         }
+    }
+
+    /// The same, made with other fields of every run ([`Settings::job_over`]).
+    #[must_use]
+    pub fn over(self, base: Map<String, Value>) -> Self {
+        Self { base, ..self }
     }
 
     /// Labels of the methods, each once, in the order of the report.
@@ -162,9 +181,14 @@ impl Plan {
             ..
         } = &self.settings;
         let arenas = arenas.join(",");
+        let base = if self.base.is_empty() {
+            ""
+        } else {
+            " --base BASE.json"
+        };
         format!(
             "evswarm reproduce --out DIR --seeds {seeds} --epochs {epochs} --arenas {arenas} \
-             --rapier-seeds {rapier_seeds}"
+             --rapier-seeds {rapier_seeds}{base}"
         )
     }
 }
@@ -186,6 +210,8 @@ fn label(run: &ResolvedRun) -> String {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+    use serde_json::json;
+
     use super::*;
 
     fn settings(arenas: &[&str]) -> Settings {
@@ -247,6 +273,32 @@ mod tests {
         assert_eq!(plan.runs.iter().filter(rapier).count(), 2 * 3 * 5);
         let run = plan.runs.iter().find(rapier).unwrap().spec.run_spec();
         assert_eq!(run.engine, EngineKind::Rapier);
+    }
+
+    #[test]
+    fn every_run_has_the_fields_of_the_base() {
+        let settings = settings(&["easy", "maze"]);
+        let base = json!({
+            "controller": { "preset": "printed" }, "robot": { "contact_friction": 0.25 }, "epochs": 3
+        });
+        let base = base.as_object().unwrap();
+        let job = settings.job_over(base).unwrap();
+        let plain = settings.job().unwrap();
+        assert_eq!(job.runs.len(), plain.runs.len());
+        for (run, plain) in job.runs.iter().zip(&plain.runs) {
+            let spec = run.run_spec();
+            assert_eq!(spec.robot.parameters.contact_friction, 0.25);
+            assert_eq!(spec.epochs, 2_000, "the settings say how many");
+            assert_ne!(run.key(), plain.key());
+        }
+        let wrong = json!({ "robot": { "friction": 1 } });
+        let errors = settings.job_over(wrong.as_object().unwrap()).unwrap_err();
+        assert!(errors[0].pointer.ends_with("/robot/friction"), "{errors:?}");
+        let command = Plan::new(settings, &job).over(base.clone()).command();
+        assert!(
+            command.ends_with("--rapier-seeds 0 --base BASE.json"),
+            "{command}"
+        );
     }
 
     #[test]

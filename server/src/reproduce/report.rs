@@ -126,6 +126,7 @@ fn blocks(
         blocks.push(curves_of(plan, findings, name));
         blocks.extend(maps_of(plan, findings, &arena, radius_m));
     }
+    blocks.extend(sections::time_to_coverage(plan, findings));
     blocks.extend(sections::model_accuracy(plan, findings));
     blocks.extend(engines::section(&plan.settings, findings, &claims.engines));
     blocks.extend(sections::test_tables(claims));

@@ -42,7 +42,21 @@ impl Finding {
         [p1, p2, p5, p10].map(f64::from)
     }
 
-    /// The same as shares of the reachable squares.
+    /// Squares in which at least 1, 2, 5 and 10 steps were spent; none for older results.
+    pub fn dwell(&self) -> [f64; 4] {
+        let levels = self.result.dwell.unwrap_or_default();
+        [levels.p1, levels.p2, levels.p5, levels.p10].map(f64::from)
+    }
+
+    /// Counted epochs until a share of the reachable squares had been entered, by p1 after each
+    /// epoch; one more than there are where it never was.
+    pub fn epochs_to(&self, share: f64) -> f64 {
+        let needed = share * f64::from(self.result.reachable);
+        let reached = self.p1_by_epoch.iter().position(|&p1| p1 >= needed);
+        reached.unwrap_or(self.p1_by_epoch.len()) as f64 + 1.0
+    }
+
+    /// p1 to p10 as shares of the reachable squares.
     pub fn fractions(&self) -> [f64; 4] {
         let shares = self.result.fractions;
         [shares.p1, shares.p2, shares.p5, shares.p10]
@@ -209,6 +223,7 @@ pub(super) mod testing {
                     p5: share(p5),
                     p10: share(p10),
                 },
+                dwell: None,
                 steps: 1,
                 collisions: 0,
                 clusters: api::ClusterCounts::default(),

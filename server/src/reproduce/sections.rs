@@ -147,6 +147,15 @@ fn coverage_table(plan: &Plan, findings: &Findings, published: &Published, arena
         };
         rows.push(row(method, "thesis", theirs));
         rows.push(row("", "here", counts.map(squares)));
+        let told = findings
+            .of(arena, method)
+            .all(|run| run.result.dwell.is_some());
+        if let Some(by_steps) = findings
+            .summaries(arena, method, Finding::dwell)
+            .filter(|_| told)
+        {
+            rows.push(row("", "by steps", by_steps.map(squares)));
+        }
         if let Some(shares) = findings.summaries(arena, method, Finding::fractions) {
             let percent = |Summary { mean, sd, median }| {
                 let [mean, sd, median] = [mean, sd, median].map(|share| 100.0 * share);
@@ -159,13 +168,55 @@ fn coverage_table(plan: &Plan, findings: &Findings, published: &Published, arena
     Table {
         caption: format!(
             "Arena {arena}: squares entered at least 1, 2, 5 and 10 times after {epochs} epochs, \
-             and their share of the {reachable} squares that a robot of this size can reach. A \
-             number after a colon: epochs of phase 1 instead of 200."
+             and their share of the {reachable} squares that a robot of this size can reach. By \
+             steps: squares in which at least so many steps were spent, the other reading of a \
+             visit. A number after a colon: epochs of phase 1 instead of 200."
         ),
         head: words(&["method", "", "p1", "p2", "p5", "p10"]),
         rows,
         words: 2,
     }
+}
+
+/// How soon each method has been nearly everywhere: tells methods apart where all end there.
+pub fn time_to_coverage(plan: &Plan, findings: &Findings) -> Vec<Block> {
+    const SHARE: f64 = 0.9;
+    let mut head = words(&["method"]);
+    head.extend(plan.settings.arenas.iter().cloned());
+    let row = |method: &&str| {
+        let cell = |arena: &String| {
+            let epochs = findings.values(arena, method, |run| run.epochs_to(SHARE));
+            if epochs.is_empty() {
+                return "-".to_owned();
+            }
+            let last = f64::from(plan.settings.epochs);
+            let there = epochs.iter().filter(|&&epoch| epoch <= last).count();
+            let Summary { median, .. } = summary(&epochs);
+            let median = if median > last {
+                "never".to_owned()
+            } else {
+                format!("{median:.0}")
+            };
+            format!("{median} ({there} of {})", epochs.len())
+        };
+        let mut row = vec![(*method).to_owned()];
+        row.extend(plan.settings.arenas.iter().map(cell));
+        row
+    };
+    vec![
+        Block::Heading(2, "Time to coverage".to_owned()),
+        Block::Table(Table {
+            caption: format!(
+                "Epochs until {} % of the reachable squares had been entered: median over runs, \
+                 and how many runs got there. Where all methods end with all squares, p1 no longer \
+                 tells them apart, and this does.",
+                100.0 * SHARE
+            ),
+            head,
+            rows: plan.methods().iter().map(row).collect(),
+            words: 1,
+        }),
+    ]
 }
 
 /// How well each method knows its arena in the end (section 4.3.4).
@@ -320,6 +371,11 @@ pub fn settings(plan: &Plan) -> Vec<Block> {
         )),
         Block::Listing(plan.command()),
     ];
+    if !plan.base.is_empty() {
+        blocks.push(paragraph("BASE.json, which every run is made over:"));
+        let base = serde_json::to_string_pretty(&plan.base);
+        blocks.push(Block::Listing(base.unwrap_or_default()));
+    }
     let shown = plan.runs.iter().rev().find(|run| run.method == "ev-iter-c");
     if let Some(run) = shown.or(plan.runs.last()) {
         blocks.push(paragraph(format!(

@@ -71,6 +71,7 @@ fn finished() -> Finished {
             p10: 0.0,
         },
         metrics: None,
+        dwell: None,
         steps: 1_234,
         collisions: 5,
         clusters: api::ClusterCounts::default(),

@@ -29,6 +29,7 @@ pub fn finished(place: u64, seed: u64, t90: Option<u64>, mean_coverage: f64) -> 
                 ]
                 .into(),
             )),
+            dwell: None,
             steps: 100,
             collisions: 25,
             clusters: ClusterCounts::default(),

@@ -3,29 +3,66 @@
 use serde::{Deserialize, Serialize};
 
 use super::brownian::Brownian;
+use super::command_levels::CommandLevels;
 use super::controller::Controller;
 use super::scaling::Scaling;
 use super::watch::Watch;
 use crate::bodies::Reading;
 use crate::caps::MemoryPlan;
 use crate::dimensions::WHEELS;
+use crate::spec::{ControllerParameters, SensorScale};
 
 /// Draws commands afresh and watches what they bring.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Babbler {
     brownian: Brownian,
-    scaling: Scaling,
+    settings: Settings,
     watch: Watch,
+}
+
+/// How it sees sensor values and gives commands. Saved as the scaling alone, as it was before there
+/// were levels: [`Babbler::set_up`] gives them back to one that was saved.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[serde(from = "Scaling", into = "Scaling")]
+struct Settings {
+    scale: SensorScale,
+    levels: CommandLevels,
+}
+
+impl From<Settings> for Scaling {
+    fn from(settings: Settings) -> Self {
+        Scaling::new(settings.scale)
+    }
+}
+
+impl From<Scaling> for Settings {
+    fn from(_: Scaling) -> Self {
+        Self::of(&ControllerParameters::default())
+    }
+}
+
+impl Settings {
+    fn of(p: &ControllerParameters) -> Self {
+        Self {
+            scale: p.clusters_see(),
+            levels: CommandLevels::new(p.command_levels),
+        }
+    }
 }
 
 impl Babbler {
     /// A robot that has seen nothing.
-    pub fn new(brownian: Brownian, scaling: Scaling, watch: Watch) -> Self {
+    pub fn new(p: &ControllerParameters, brownian: Brownian, watch: Watch) -> Self {
         Self {
             brownian,
-            scaling,
+            settings: Settings::of(p),
             watch,
         }
+    }
+
+    /// Takes from the parameters what is not saved.
+    pub fn set_up(&mut self, p: &ControllerParameters) {
+        self.settings = Settings::of(p);
     }
 
     /// Most bytes held.
@@ -57,8 +94,9 @@ impl Babbler {
 impl Controller for Babbler {
     #[inline(always)]
     fn act(&mut self, step: u64, reading: &Reading) -> [f32; WHEELS] {
-        let command = self.brownian.command(step);
-        self.watch.observe(&self.scaling.apply(reading), command);
+        let command = self.settings.levels.round(self.brownian.command(step));
+        let sensors = Scaling::new(self.settings.scale).apply(reading);
+        self.watch.observe(&sensors, command);
         command
     }
 

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::command_levels::CommandLevels;
 use super::controller::Controller;
 use super::scaling::{Scaling, sensori_motor};
 use super::watch::Watch;
@@ -14,7 +15,7 @@ use crate::learn::evolution::Evolution;
 use crate::learn::objective::{curiosity, discovery};
 use crate::learn::perceptron::{Perceptron, WEIGHTS};
 use crate::random::Stream;
-use crate::spec::{ControllerParameters, Objective};
+use crate::spec::{ControllerParameters, Objective, SensorScale};
 
 /// A robot in phase 1, or of an evolved baseline.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -38,6 +39,17 @@ pub struct Crawler {
     heard_fitness: f64,
     /// Whether this epoch is only a demonstration, from which nothing is learnt.
     showing: bool,
+    /// Of the spec, no state: [`Crawler::set_up`] gives it back to one that was saved.
+    #[serde(skip)]
+    settings: Settings,
+}
+
+/// What a crawler does with sensor values and commands; small, as it stands where padding was.
+#[derive(Clone, Copy, Debug, Default)]
+struct Settings {
+    /// The interval in which clusters see sensor values, where it is not the perceptron's.
+    clusters_see: Option<SensorScale>,
+    levels: CommandLevels,
 }
 
 impl Crawler {
@@ -58,8 +70,11 @@ impl Crawler {
             scaling: Scaling::new(p.sensor_scale),
             perceptron: Perceptron::new(),
             evolution: Evolution::new(p, evolution),
-            sensori_motor: EpsilonClustering::new(p.epsilon_sensori_motor, sensori_motor),
-            actuators: EpsilonClustering::new(p.epsilon_actuator, actuators),
+            sensori_motor: EpsilonClustering::new(
+                p.cluster_radius(p.epsilon_sensori_motor),
+                sensori_motor,
+            ),
+            actuators: EpsilonClustering::new(p.cluster_radius(p.epsilon_actuator), actuators),
             archive: watch.is_some().then(|| Archive::new(plan.genomes)),
             watch,
             heard: if hears {
@@ -69,7 +84,9 @@ impl Crawler {
             },
             heard_fitness: f64::NEG_INFINITY,
             showing: false,
+            settings: Settings::default(),
         };
+        crawler.set_up(p);
         crawler.load_candidate();
         crawler
     }
@@ -90,6 +107,14 @@ impl Crawler {
                 1
             },
         )
+    }
+
+    /// Takes from the parameters what is not saved.
+    pub fn set_up(&mut self, p: &ControllerParameters) {
+        self.settings = Settings {
+            clusters_see: Some(p.clusters_see()).filter(|scale| *scale != p.sensor_scale),
+            levels: CommandLevels::new(p.command_levels),
+        };
     }
 
     fn load_candidate(&mut self) {
@@ -218,8 +243,12 @@ impl Controller for Crawler {
     #[inline(always)]
     fn act(&mut self, _step: u64, reading: &Reading) -> [f32; WHEELS] {
         let sensors = self.scaling.apply(reading);
-        let command = self.perceptron.act(&sensors);
+        let command = self.settings.levels.round(self.perceptron.act(&sensors));
         if !self.showing {
+            let sensors = match self.settings.clusters_see {
+                None => sensors,
+                Some(scale) => Scaling::new(scale).apply(reading),
+            };
             if self.objective.over_sensori_motor() {
                 self.sensori_motor
                     .observe(&sensori_motor(&sensors, command));

@@ -42,7 +42,7 @@ impl Decider {
             eta: scaled(p.eta),
             hold_steps: p.action_hold_steps,
             ties: p.ties,
-            scaling: Scaling::new(p.sensor_scale),
+            scaling: Scaling::new(p.clusters_see()),
             last: Transition::default(),
             state: 0,
             action: 0,

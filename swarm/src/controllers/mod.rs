@@ -3,6 +3,7 @@
 mod babbler;
 mod brownian;
 mod codebook;
+mod command_levels;
 mod controller;
 mod crawler;
 mod decider;

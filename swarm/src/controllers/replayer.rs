@@ -5,6 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::command_levels::CommandLevels;
 use super::controller::Controller;
 use super::explorer::Explorer;
 use super::scaling::Scaling;
@@ -26,21 +27,31 @@ pub struct Replayer {
     place: u32,
     /// The phase-3 learner that is being filled.
     explorer: Explorer,
+    /// Of the spec, no state: [`Replayer::set_up`] gives it back to one that was saved.
+    #[serde(skip)]
+    levels: CommandLevels,
 }
 
 impl Replayer {
     /// A robot about to replay an archive of genomes into an explorer's repository.
-    pub fn new(slope: f64, scaling: Scaling, archive: Archive, explorer: Explorer) -> Self {
+    pub fn new(p: &ControllerParameters, archive: Archive, explorer: Explorer) -> Self {
         let mut replayer = Self {
-            slope,
-            scaling,
+            slope: p.slope,
+            scaling: Scaling::new(p.sensor_scale),
             perceptron: Perceptron::new(),
             archive,
             place: 0,
             explorer,
+            levels: CommandLevels::default(),
         };
+        replayer.set_up(p);
         replayer.load();
         replayer
+    }
+
+    /// Takes from the parameters what is not saved.
+    pub fn set_up(&mut self, p: &ControllerParameters) {
+        self.levels = CommandLevels::new(p.command_levels);
     }
 
     fn load(&mut self) {
@@ -92,6 +103,7 @@ impl Controller for Replayer {
     #[inline(always)]
     fn act(&mut self, _step: u64, reading: &Reading) -> [f32; WHEELS] {
         let command = self.perceptron.act(&self.scaling.apply(reading));
+        let command = self.levels.round(command);
         self.explorer.watch_action(command);
         command
     }

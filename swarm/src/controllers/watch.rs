@@ -25,8 +25,14 @@ impl Watch {
     /// Nothing seen yet.
     pub fn new(p: &ControllerParameters, plan: &MemoryPlan, sampling: Stream) -> Self {
         Self {
-            sensors: EpsilonClustering::new(p.epsilon_sensor, plan.sensor_clusters),
-            actuators: EpsilonClustering::new(p.epsilon_actuator, plan.actuator_clusters),
+            sensors: EpsilonClustering::new(
+                p.cluster_radius(p.epsilon_sensor),
+                plan.sensor_clusters,
+            ),
+            actuators: EpsilonClustering::new(
+                p.cluster_radius(p.epsilon_actuator),
+                plan.actuator_clusters,
+            ),
             sample: Reservoir::new(plan.sample, sampling),
         }
     }

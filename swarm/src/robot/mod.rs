@@ -23,6 +23,11 @@ named_choice! {
         Webots2022 = "webots-2022",
         /// The e-puck 2: faster wheels, lighter, otherwise `webots-2022`.
         EPuck2 = "epuck2",
+        /// `thesis` under Webots's kinematics mode as the table of its manual has it: robots slide
+        /// along walls. (Of the two modes it alone limits the wheels' acceleration.)
+        WebotsSliding = "webots-sliding",
+        /// The same as the manual's text has it: walls are so rough that nothing slides.
+        WebotsRough = "webots-rough",
     }
 }
 
@@ -104,8 +109,15 @@ impl RobotModel {
             parameters.max_wheel_speed_rad_s = 7.536;
             parameters.mass_kg = 0.13;
         }
+        match preset {
+            Preset::WebotsSliding => parameters.contact_friction = 0.0,
+            Preset::WebotsRough => parameters.contact_friction = 100.0,
+            Preset::Thesis | Preset::Webots2022 | Preset::EPuck2 => {}
+        }
         let response = match preset {
-            Preset::Thesis => SensorResponse::thesis(),
+            Preset::Thesis | Preset::WebotsSliding | Preset::WebotsRough => {
+                SensorResponse::thesis()
+            }
             Preset::Webots2022 | Preset::EPuck2 => SensorResponse::webots_2022(),
         };
         Self {

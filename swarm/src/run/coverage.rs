@@ -30,3 +30,9 @@ pub fn counts_within(visits: &[u32], mask: &[bool]) -> [u32; 4] {
         entered.count() as u32
     })
 }
+
+/// Squares with at least 1, 2, 5 and 10 of what was counted.
+pub fn counts_over(counted: &[u32]) -> [u32; 4] {
+    // An arena has at most 1,000 x 1,000 squares.
+    COVERAGE_LEVELS.map(|level| counted.iter().filter(|&&count| count >= level).count() as u32)
+}

@@ -1,6 +1,6 @@
 //! What a run has found, at any step and at its end.
 
-use super::coverage::counts_within;
+use super::coverage::{counts_over, counts_within};
 use super::machine::Run;
 use super::metrics::{MetricsLog, RobotMetrics};
 use super::outcome::{ObjectOutcome, Outcome};
@@ -78,6 +78,7 @@ impl Run {
             reachable: reachable.count,
             metrics: at_end(&Counted::new(&self.venues[TARGET].world, reachable)),
             coverage_reachable: counts_within(&self.visits(), &reachable.mask),
+            dwell: counts_over(&self.dwell()),
             robot_steps: self.progress().robot_steps_done,
             collisions: self.venues[TARGET].world.state().collisions,
             sensor_clusters,

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::robot_memory::RobotMemory;
 use crate::caps::MemoryPlan;
 use crate::controllers::{
-    Babbler, Brownian, Codebook, Crawler, Explorer, Replayer, Scaling, SharedTableExplorers, Watch,
+    Babbler, Brownian, Codebook, Crawler, Explorer, Replayer, SharedTableExplorers, Watch,
 };
 use crate::dimensions::WHEELS;
 use crate::learn::archive::Archive;
@@ -77,10 +77,9 @@ impl Maker<'_> {
     }
 
     fn babblers(&self) -> Vec<Babbler> {
-        let scaling = Scaling::new(self.parameters.sensor_scale);
         let babbler = |robot: Streams| {
             let brownian = Brownian::new(robot.key(Site::Target, Purpose::Action));
-            Babbler::new(brownian, scaling, self.watch(&robot))
+            Babbler::new(&self.parameters, brownian, self.watch(&robot))
         };
         self.robots().map(babbler).collect()
     }
@@ -154,9 +153,7 @@ impl Maker<'_> {
 
     fn replayers(&self, crawlers: Vec<Crawler>) -> Vec<Replayer> {
         let p = &self.parameters;
-        let replayer = |(explorer, archive)| {
-            Replayer::new(p.slope, Scaling::new(p.sensor_scale), archive, explorer)
-        };
+        let replayer = |(explorer, archive)| Replayer::new(p, archive, explorer);
         let explorers = self.explorers(watched(crawlers));
         exactly(explorers.into_iter().map(replayer))
     }
@@ -273,6 +270,16 @@ impl Learners {
     pub fn steer(&mut self, commands: &[[f32; WHEELS]]) {
         if let Self::Walkers(walkers) = self {
             walkers.steer(commands);
+        }
+    }
+
+    /// Takes from the parameters what saved learners do not hold.
+    pub fn set_up(&mut self, p: &ControllerParameters) {
+        match self {
+            Learners::Babblers(controllers) => controllers.iter_mut().for_each(|c| c.set_up(p)),
+            Learners::Crawlers(controllers) => controllers.iter_mut().for_each(|c| c.set_up(p)),
+            Learners::Replayers(controllers) => controllers.iter_mut().for_each(|c| c.set_up(p)),
+            _ => {}
         }
     }
 

@@ -15,8 +15,9 @@ use super::venue::{TARGET, TRAINING, Venue, sites};
 use crate::bodies::Bodies;
 use crate::caps::MemoryPlan;
 use crate::dimensions::WHEELS;
+use crate::methods::Explores;
 use crate::random::Site;
-use crate::spec::{Episodes, FieldError, RunSpec};
+use crate::spec::{FieldError, RunSpec};
 use crate::stages::{Phase, Stage, arena_epochs};
 use crate::validate::ValidSpec;
 use crate::world::Backend;
@@ -138,7 +139,7 @@ impl Run {
         }
         if stage.counts() {
             self.resume_counting();
-            if self.spec.episodes == Episodes::Continue {
+            if !self.resets(stage.phase) {
                 self.venues[TARGET].world.enter_squares();
             }
         }
@@ -146,6 +147,19 @@ impl Run {
         if stage.counts() {
             self.track_objects();
         }
+    }
+
+    /// Whether robots of a phase go back to their start poses between epochs.
+    fn resets(&self, phase: Phase) -> bool {
+        let evolving = match phase {
+            Phase::Evolution | Phase::Repository => true,
+            Phase::Babbling | Phase::Done => false,
+            Phase::Exploration => {
+                let method = self.spec.controller.method.definition();
+                method.explores == Explores::Evolving
+            }
+        };
+        self.spec.episodes.reset(evolving)
     }
 
     /// Lets visits count where the stage says so.
@@ -157,8 +171,9 @@ impl Run {
     pub(super) fn begin_epoch(&mut self) {
         self.position.step = 0;
         let venue = self.venue();
+        let resets = self.stage().is_none_or(|stage| self.resets(stage.phase));
         let world = &mut self.venues[venue].world;
-        if self.spec.episodes == Episodes::Reset {
+        if resets {
             world.reset();
         }
         self.learners.begin_trajectory(world.state());

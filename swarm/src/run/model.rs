@@ -30,7 +30,7 @@ impl Run {
             Site::Target,
         );
         let key = stream_key(spec.seed, Site::Target, 0, Purpose::Reference);
-        let scaling = Scaling::new(spec.controller.parameters.sensor_scale);
+        let scaling = Scaling::new(spec.controller.parameters.clusters_see());
         let mut controllers = [Reference::new(codebook, scaling, key)];
         let counted = u64::from(spec.epochs) * u64::from(spec.steps_per_epoch);
         let mut left = REFERENCE_STEPS.min(counted);

@@ -35,6 +35,8 @@ pub struct Outcome {
     pub reachable: u32,
     /// Of these, the squares entered at least 1, 2, 5 and 10 times.
     pub coverage_reachable: [u32; 4],
+    /// Squares in which at least 1, 2, 5 and 10 counted steps were spent.
+    pub dwell: [u32; 4],
     /// Names and values of the swarm metrics at the end.
     pub metrics: Vec<(&'static str, Option<Value>)>,
     /// Robot-steps, uncounted phases included.

@@ -208,6 +208,7 @@ pub(super) fn restore_of(spec: ValidSpec, of: [u8; 32], bytes: &[u8]) -> Result<
     later.add_to(&mut run.metrics).ok_or_else(misfit)?;
     run.tracks = saved.tracks;
     run.learners = saved.learners;
+    run.learners.set_up(&run.spec.controller.parameters);
     for (venue, (state, engine)) in run.venues.iter_mut().zip(saved.worlds) {
         venue.world = World::restore(
             &venue.ground,

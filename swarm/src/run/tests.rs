@@ -12,10 +12,10 @@ use rayon::prelude::*;
 
 use super::{Outcome, Phase, RestoreError, Run, counts_within};
 use crate::metrics::Value;
-use crate::robot::RobotModel;
+use crate::robot::{Preset, RobotModel};
 use crate::spec::{
-    ControllerParameters, ControllerSpec, EngineKind, Episodes, Method, Placement, RunSpec,
-    Sharing, Training,
+    ClusterScale, ControllerParameters, ControllerSpec, EngineKind, Episodes, EpsilonIs, Method,
+    Placement, RunSpec, Sharing, Training,
 };
 use crate::validate::ValidSpec;
 use crate::world::Backend;
@@ -119,6 +119,103 @@ fn interrupted_equals_uninterrupted_for_swarms_engines_and_episodes() {
         },
         137,
     );
+}
+
+/// What a saved learner does not hold is given back to it in every phase.
+#[test]
+fn interrupted_equals_uninterrupted_under_other_readings() {
+    for method in [Method::Im, Method::EvIterCa, Method::Curiosity] {
+        let mut spec = spec(method);
+        spec.episodes = Episodes::ContinueExploring;
+        let parameters = &mut spec.controller.parameters;
+        parameters.command_levels = 3;
+        parameters.cluster_scale = ClusterScale::Unsigned;
+        parameters.epsilon_is = EpsilonIs::Diameter;
+        check_interrupted(&spec, 137);
+    }
+}
+
+/// Each reading of the thesis changes what a run comes to, and its default changes nothing.
+#[test]
+fn every_reading_makes_a_difference() {
+    let plain = finished(spec(Method::EvIterC)).state_sha256;
+    let with = |set: fn(&mut RunSpec)| {
+        let mut spec = spec(Method::EvIterC);
+        set(&mut spec);
+        finished(spec)
+    };
+    let others = [
+        with(|spec| spec.controller.parameters.command_levels = 3),
+        with(|spec| spec.controller.parameters.cluster_scale = ClusterScale::Unsigned),
+        with(|spec| spec.controller.parameters.epsilon_is = EpsilonIs::Diameter),
+        with(|spec| spec.episodes = Episodes::ContinueExploring),
+        with(|spec| spec.robot = RobotModel::preset(Preset::WebotsSliding)),
+        with(|spec| spec.robot = RobotModel::preset(Preset::WebotsRough)),
+    ];
+    for (place, other) in others.iter().enumerate() {
+        assert_ne!(other.state_sha256, plain, "{place}");
+    }
+    // Three levels a wheel are at most nine actions.
+    assert!(others[0].actuator_clusters <= 9);
+    let same = with(|spec| spec.controller.parameters.cluster_scale = ClusterScale::Signed);
+    let states = |outcome: &Outcome| (outcome.sensor_clusters, outcome.coverage);
+    let of_default = finished(spec(Method::EvIterC));
+    assert_eq!(states(&same), states(&of_default));
+}
+
+/// Epsilon in [0, 1] is twice as much in [-1, 1], and a diameter twice a radius.
+#[test]
+fn scales_and_diameters_are_the_same_clusters() {
+    let states = |epsilon_sensor, cluster_scale, epsilon_is| {
+        let mut spec = spec(Method::Im);
+        let parameters = &mut spec.controller.parameters;
+        parameters.epsilon_sensor = epsilon_sensor;
+        parameters.cluster_scale = cluster_scale;
+        parameters.epsilon_is = epsilon_is;
+        parameters.epsilon_actuator = match epsilon_is {
+            EpsilonIs::Radius => 0.6,
+            EpsilonIs::Diameter => 1.2,
+        };
+        let outcome = finished(spec);
+        (outcome.sensor_clusters, outcome.actuator_clusters)
+    };
+    let plain = states(1.2, ClusterScale::AsSensed, EpsilonIs::Radius);
+    assert_eq!(
+        states(0.6, ClusterScale::Unsigned, EpsilonIs::Radius),
+        plain
+    );
+    assert_eq!(
+        states(2.4, ClusterScale::AsSensed, EpsilonIs::Diameter),
+        plain
+    );
+}
+
+#[test]
+fn robots_go_on_only_while_they_explore() {
+    let evolving = |method| {
+        let spec = RunSpec {
+            episodes: Episodes::ContinueExploring,
+            ..spec(method)
+        };
+        let mut run = run_of(spec);
+        let mut jumps = Vec::new();
+        let mut phase = run.progress().phase;
+        while run.outcome().is_none() {
+            let before = run.robots()[0].clone();
+            run.advance(1);
+            let robot = &run.robots()[0];
+            let far = (robot.x_m - before.x_m).abs() + (robot.y_m - before.y_m).abs() > 0.02;
+            if far && phase == run.progress().phase {
+                jumps.push(phase);
+            }
+            phase = run.progress().phase;
+        }
+        jumps
+    };
+    assert!(evolving(Method::Brownian).is_empty());
+    assert!(!evolving(Method::EvIterC).contains(&Phase::Exploration));
+    assert!(evolving(Method::EvIterC).contains(&Phase::Evolution));
+    assert!(evolving(Method::Curiosity).contains(&Phase::Exploration));
 }
 
 #[test]

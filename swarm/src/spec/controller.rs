@@ -45,9 +45,43 @@ named_choice! {
     }
 }
 
+named_choice! {
+    /// Interval of sensor values in which clusters measure distances.
+    ClusterScale {
+        /// That of `sensor_scale`.
+        AsSensed = "as-sensed",
+        /// `[-1, 1]`.
+        Signed = "signed",
+        /// `[0, 1]`.
+        Unsigned = "unsigned",
+    }
+}
+
+named_choice! {
+    /// What the three epsilons are of a cluster.
+    EpsilonIs {
+        /// A vector joins a centre within epsilon.
+        Radius = "radius",
+        /// A vector joins a centre within half of epsilon.
+        Diameter = "diameter",
+    }
+}
+
+named_choice! {
+    /// A named set of values that stand where a spec gives none.
+    ControllerPreset {
+        /// The defaults.
+        Default = "default",
+        /// What a search over all open settings found with every printed value kept.
+        Printed = "printed",
+        /// What it found with the printed values free too.
+        Free = "free",
+    }
+}
+
 parameter_table! {
     /// Parameters of the learner (`controller` of a run spec).
-    ControllerParameters {
+    ControllerParameters later ["cluster_scale", "epsilon_is", "command_levels"] {
         slope: f64 = 2.0, Real { min: 0.01, max: 100.0 }, "1", "Slope of the perceptron's sigmoid", "eq. 4.7";
         initial_weight_variance: f64 = 0.1, Real { min: 0.0, max: 100.0 }, "1", "Variance of a fresh parent's weights", "section 5.2.5";
         sigma: f64 = 0.2, Real { min: 1e-6, max: 100.0 }, "1", "Initial mutation step of the (1+1)-ES", "section 5.2.5";
@@ -58,6 +92,9 @@ parameter_table! {
         epsilon_actuator: f64 = 0.6, Real { min: 0.05, max: 20.0 }, "1", "Radius of actuator clusters", "table 5.2";
         epsilon_sensor: f64 = 1.5, Real { min: 0.05, max: 20.0 }, "1", "Radius of sensor clusters (the thesis: 1)", "table 5.2, calibrated";
         sensor_scale: SensorScale = SensorScale::Signed, Choice { names: SensorScale::NAMES }, "", "Interval that raw sensor values are mapped to", "open in the thesis";
+        cluster_scale: ClusterScale = ClusterScale::AsSensed, Choice { names: ClusterScale::NAMES }, "", "Interval of sensor values in which clusters measure distances, whatever the perceptron sees", "open in the thesis: section 5.2.1 scales commands only";
+        epsilon_is: EpsilonIs = EpsilonIs::Radius, Choice { names: EpsilonIs::NAMES }, "", "What the three epsilons are of a cluster", "table 5.2 (radius) against section 4.2.3.1 and Alg. 4 (diameter)";
+        command_levels: u32 = 0, Whole { min: 0, max: 2_001 }, "levels", "Levels of a wheel's command, evenly from -1 to 1, that learners and random walks use; below 2: every tick", "open in the thesis: section 5.2.1 tells ticks, 3 levels are nine actions";
         max_clusters: u32 = 250, Whole { min: 2, max: 4_000 }, "clusters", "Cap of each clustering; at the cap a vector joins the nearest cluster", "bounded memory";
         kmeans_restarts: u32 = 5, Whole { min: 1, max: 100 }, "restarts", "Independent k-means; least distortion is kept", "section 4.3.2 (P open)";
         kmeans_iterations: u32 = 100, Whole { min: 1, max: 10_000 }, "iterations", "Most Lloyd iterations a restart", "bounded time";
@@ -73,5 +110,62 @@ parameter_table! {
         action_hold_steps: u32 = 1, Whole { min: 1, max: 1_000 }, "steps", "Steps that a phase-3 action is held", "calibration";
         states_from: StatesFrom = StatesFrom::Babbling, Choice { names: StatesFrom::NAMES }, "", "Where `im` takes its clusters from", "open in the thesis";
         babbling_epochs: u32 = 5, Whole { min: 1, max: 100_000 }, "epochs", "Epochs of random commands before `im` clusters (not counted as visits)", "calibration";
+    }
+}
+
+impl ControllerParameters {
+    /// The values of a preset (`docs/reproduction.md` says how they were found).
+    pub fn preset(preset: ControllerPreset) -> Self {
+        let defaults = Self::default();
+        match preset {
+            ControllerPreset::Default => defaults,
+            ControllerPreset::Printed => Self {
+                slope: 3.538,
+                success_window: 40,
+                cluster_scale: ClusterScale::Unsigned,
+                epsilon_sensor: 1.0,
+                command_levels: 3,
+                ties: Ties::Keep,
+                action_hold_steps: 2,
+                insufficiency: Insufficiency::StateTotal,
+                actuator_sample: 1,
+                babbling_epochs: 20,
+                ..defaults
+            },
+            ControllerPreset::Free => Self {
+                slope: 1.615,
+                success_window: 40,
+                cluster_scale: ClusterScale::Unsigned,
+                epsilon_sensor: 1.026,
+                epsilon_actuator: 0.408,
+                epsilon_sensori_motor: 1.805,
+                lambda: 120,
+                eta: 0.032,
+                alpha: 0.314,
+                ties: Ties::Keep,
+                action_hold_steps: 4,
+                actuator_sample: 1,
+                replay_genomes: 20,
+                babbling_epochs: 20,
+                ..defaults
+            },
+        }
+    }
+
+    /// The scale in which clusters see sensor values.
+    pub fn clusters_see(&self) -> SensorScale {
+        match self.cluster_scale {
+            ClusterScale::AsSensed => self.sensor_scale,
+            ClusterScale::Signed => SensorScale::Signed,
+            ClusterScale::Unsigned => SensorScale::Unsigned,
+        }
+    }
+
+    /// Distance from a centre within which a vector joins it, for one of the epsilons.
+    pub fn cluster_radius(&self, epsilon: f64) -> f64 {
+        match self.epsilon_is {
+            EpsilonIs::Radius => epsilon,
+            EpsilonIs::Diameter => 0.5 * epsilon,
+        }
     }
 }

@@ -8,7 +8,10 @@ mod method_parameters;
 mod run_spec;
 mod sharing;
 
-pub use controller::{ControllerParameters, Insufficiency, SensorScale, StatesFrom, Ties};
+pub use controller::{
+    ClusterScale, ControllerParameters, ControllerPreset, EpsilonIs, Insufficiency, SensorScale,
+    StatesFrom, Ties,
+};
 pub use field_error::FieldError;
 pub use limits::{MAX_EPOCHS, MAX_ROBOTS, MAX_STEPS_PER_EPOCH};
 pub use method::{Method, Objective};

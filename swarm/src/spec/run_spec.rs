@@ -62,6 +62,20 @@ named_choice! {
         Reset = "reset",
         /// Every robot goes on where it stands.
         Continue = "continue",
+        /// Robots that evolve, or replay what evolved, go back; those that explore, babble or walk
+        /// go on.
+        ContinueExploring = "continue-exploring",
+    }
+}
+
+impl Episodes {
+    /// Whether robots go back between epochs, while they evolve or not.
+    pub fn reset(self, evolving: bool) -> bool {
+        match self {
+            Self::Reset => true,
+            Self::Continue => false,
+            Self::ContinueExploring => evolving,
+        }
     }
 }
 

@@ -8,7 +8,9 @@ use swarm::spec::{ControllerParameters, DEFAULT_RANGE_M, Method};
 
 use super::about::object;
 use super::{reference, schema_link};
-use crate::documents::controller::{DEFAULT_TRAINING_ARENA, METHOD, PRESET, TRAINING_EPOCHS};
+use crate::documents::controller::{
+    CONTROLLER_PRESET, DEFAULT_TRAINING_ARENA, METHOD, PRESET, TRAINING_EPOCHS,
+};
 use crate::documents::learning::{BUDGET, BUDGETS, BYTES_PER_STEP, MODE, MOST_RANGE_M};
 use crate::documents::listing::shown_value;
 use crate::documents::placement::{ANYWHERE, KIND, KIND_ALONE};
@@ -16,6 +18,7 @@ use crate::documents::resolve::{
     CHANNELS, DEFAULT_ARENA, ENGINE, EPISODES, EPOCHS, EVERY_STEPS, ROBOTS, SEED, STEPS_PER_EPOCH,
     VERSION,
 };
+use crate::documents::start::{MOST_M, MOST_RAD};
 
 /// `RunSpec`, `RunFields` (a part of one) and what they are made of.
 pub fn definitions(prefix: &str) -> Map<String, Value> {
@@ -62,6 +65,7 @@ fn fields(prefix: &str) -> Value {
         (STEPS_PER_EPOCH.name, STEPS_PER_EPOCH.schema()),
         (ROBOTS.name, ROBOTS.schema()),
         ("placement", placement()),
+        ("start", start()),
         (EPISODES.name, EPISODES.schema()),
         ("robot", reference(prefix, "Robot")),
         (ENGINE.name, ENGINE.schema()),
@@ -82,7 +86,11 @@ fn controller(prefix: &str) -> Value {
         ("arena", arena),
         (TRAINING_EPOCHS.name, TRAINING_EPOCHS.schema()),
     ]);
-    let mut fields = vec![(METHOD.name, METHOD.schema()), ("train", train)];
+    let mut fields = vec![
+        (METHOD.name, METHOD.schema()),
+        (CONTROLLER_PRESET.name, CONTROLLER_PRESET.schema()),
+        ("train", train),
+    ];
     let defaults = ControllerParameters::default().shown();
     fields.extend(parameters(ControllerParameters::TABLE, &defaults));
     for &method in Method::ALL {
@@ -171,6 +179,17 @@ fn placement() -> Value {
     ]);
     let default = (KIND_ALONE.shown)(KIND_ALONE.default);
     json!({ "anyOf": [{ "enum": KIND_ALONE.names }, said], "default": default })
+}
+
+fn start() -> Value {
+    let place = json!({ "type": "number", "minimum": 0, "maximum": MOST_M });
+    let heading = json!({ "type": "number", "minimum": -MOST_RAD, "maximum": MOST_RAD });
+    let pose = object::<api::StartSpec>([
+        ("x_m", place.clone()),
+        ("y_m", place),
+        ("heading_rad", heading),
+    ]);
+    json!({ "anyOf": [pose, { "type": "null" }], "default": null })
 }
 
 fn budget() -> Value {
