@@ -11,11 +11,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use cpu_time::ThreadTime;
 
 use mutate::Mutator;
-use target::Target;
+use target::{Kind, Target};
 
 /// Longest time for an input, of the processor.
 const LONGEST: Duration = Duration::from_secs(2);
@@ -23,19 +23,6 @@ const LONGEST: Duration = Duration::from_secs(2);
 const STUCK: Duration = Duration::from_secs(120);
 /// Most memory that the program may take.
 const MAX_MEMORY_BYTES: u64 = 4 << 30;
-
-/// What is changed at random.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Kind {
-    /// A job, as posted.
-    Job,
-    /// A run spec.
-    Run,
-    /// An arena, as uploaded.
-    Arena,
-    /// A checkpoint of a run, which is taken up again where it can be.
-    Checkpoint,
-}
 
 /// How long, and what.
 #[derive(Args)]

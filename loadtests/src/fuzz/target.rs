@@ -1,13 +1,14 @@
 //! What reads an input: the functions that the service and the command read it with.
 
 use anyhow::{Result, anyhow};
+use clap::ValueEnum;
 use serde_json::{Value, json};
 use server::documents::{BuiltinArenas, expand, parse, read_arena, resolve, run_count};
 use sha2::{Digest, Sha256};
 use swarm::ValidSpec;
 use swarm::run::Run;
 
-use super::{Kind, corpus};
+use super::corpus;
 
 /// Steps that a restored run is taken on by.
 const STEPS: u64 = 500;
@@ -16,6 +17,19 @@ const HEAD_BYTES: usize = 8 + 32;
 /// Where it has later metrics, it ends with their digest, their length and magic.
 const TAIL_BYTES: usize = 32 + 8 + 8;
 const TAIL_MAGIC: &[u8] = b"evsrows1";
+
+/// What is changed at random.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Kind {
+    /// A job, as posted.
+    Job,
+    /// A run spec.
+    Run,
+    /// An arena, as uploaded.
+    Arena,
+    /// A checkpoint of a run, which is taken up again where it can be.
+    Checkpoint,
+}
 
 /// A target, and what it begins with.
 pub struct Target {

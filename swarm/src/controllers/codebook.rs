@@ -12,6 +12,7 @@ use crate::spec::ControllerParameters;
 
 /// States, actions and commands. Tables of robots with the same codebook can be shared.
 #[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(try_from = "Saved")]
 pub struct Codebook {
     /// Centres of the states.
     pub states: Centres<PROXIMITY_SENSORS>,
@@ -19,6 +20,34 @@ pub struct Codebook {
     pub actions: Centres<WHEELS>,
     /// Commands of each action.
     pub samples: ActuatorSamples,
+}
+
+/// The same as saved, which may not fit together.
+#[derive(Deserialize)]
+struct Saved {
+    states: Centres<PROXIMITY_SENSORS>,
+    actions: Centres<WHEELS>,
+    samples: ActuatorSamples,
+}
+
+impl TryFrom<Saved> for Codebook {
+    type Error = &'static str;
+
+    fn try_from(saved: Saved) -> Result<Self, Self::Error> {
+        let Saved {
+            states,
+            actions,
+            samples,
+        } = saved;
+        if actions.len() != samples.clusters() {
+            return Err("actions and their samples differ in number");
+        }
+        Ok(Self {
+            states,
+            actions,
+            samples,
+        })
+    }
 }
 
 impl Codebook {

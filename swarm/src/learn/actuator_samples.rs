@@ -8,6 +8,7 @@ use crate::random::{Stream, below};
 
 /// For each actuator cluster at most `cap` of the commands that fell in it, equally likely.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Saved")]
 pub struct ActuatorSamples {
     cap: u32,
     /// Commands offered to each cluster.
@@ -15,6 +16,38 @@ pub struct ActuatorSamples {
     /// `cap` commands a cluster; the first is the centre until one was offered.
     commands: Vec<[f32; WHEELS]>,
     stream: Stream,
+}
+
+/// The same as saved, which may not fit together.
+#[derive(Deserialize)]
+struct Saved {
+    cap: u32,
+    offered: Vec<u64>,
+    commands: Vec<[f32; WHEELS]>,
+    stream: Stream,
+}
+
+impl TryFrom<Saved> for ActuatorSamples {
+    type Error = &'static str;
+
+    fn try_from(saved: Saved) -> Result<Self, Self::Error> {
+        let Saved {
+            cap,
+            offered,
+            commands,
+            stream,
+        } = saved;
+        let wanted = offered.len().checked_mul(cap as usize);
+        if cap == 0 || wanted != Some(commands.len()) {
+            return Err("commands of actions do not fit their number");
+        }
+        Ok(Self {
+            cap,
+            offered,
+            commands,
+            stream,
+        })
+    }
 }
 
 impl ActuatorSamples {
@@ -53,6 +86,11 @@ impl ActuatorSamples {
     pub fn draw(&self, cluster: u32, bits: u32) -> [f32; WHEELS] {
         let held = self.offered[cluster as usize].clamp(1, u64::from(self.cap)) as u32;
         self.commands[cluster as usize * self.cap as usize + below(bits, held) as usize]
+    }
+
+    /// Actions that there are samples of.
+    pub fn clusters(&self) -> u32 {
+        self.offered.len() as u32
     }
 
     /// Bytes held besides the value itself by samples of `cap` commands of each cluster.
@@ -98,6 +136,23 @@ mod tests {
             drawn[samples.draw(1, bits.bits() as u32)[0] as usize] += 1;
         }
         assert!(drawn.iter().all(|n| (n - 1_000).abs() < 150), "{drawn:?}");
+    }
+
+    #[test]
+    fn saved_samples_that_do_not_fit_together_are_refused() {
+        let centres = Centres::from_points(&[[0.25, -0.5], [1.0, 0.0]]);
+        let samples = ActuatorSamples::new(&centres, 4, Stream::new(1));
+        let read = |samples: &ActuatorSamples| {
+            postcard::from_bytes::<ActuatorSamples>(&postcard::to_stdvec(samples).unwrap())
+        };
+        assert_eq!(read(&samples).unwrap(), samples);
+        for cap in [0, 3, 40, u32::MAX] {
+            let wrong = ActuatorSamples {
+                cap,
+                ..samples.clone()
+            };
+            assert!(read(&wrong).is_err(), "{cap}");
+        }
     }
 
     #[test]

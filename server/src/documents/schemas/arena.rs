@@ -8,7 +8,7 @@ use arenas::{
 };
 use serde_json::{Map, Value, json};
 
-use super::{or_null, reference, schema_link};
+use super::common::{or_null, reference, schema_link};
 
 /// `Arena`, `TiledArena`, `ArenaRef` and what they are made of.
 pub fn definitions(prefix: &str) -> Map<String, Value> {

@@ -3,8 +3,9 @@
 use serde_json::{Map, Value, json};
 
 use super::about::object;
+use super::common::{reference, schema_link};
 use super::matrix::matrix;
-use super::{reference, run, schema_link};
+use super::run;
 use crate::documents::expand::{FIRST_SEED, MAX_NAME, MAX_RUNS, SEED_COUNT};
 use crate::documents::limits::MAX_SEED;
 use crate::documents::parts::{MAX_NAME as MAX_PART_NAME, MAX_PARTS};

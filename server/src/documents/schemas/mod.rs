@@ -3,6 +3,7 @@
 
 mod about;
 mod arena;
+mod common;
 mod job;
 mod matrix;
 mod run;
@@ -71,22 +72,4 @@ fn referred(schema: &Value, names: &mut Vec<String>) {
         Value::Array(list) => list.iter().for_each(|inside| referred(inside, names)),
         _ => {}
     }
-}
-
-/// A reference to a definition.
-fn reference(prefix: &str, name: &str) -> Value {
-    json!({ "$ref": format!("{prefix}{name}") })
-}
-
-/// The field that tells an editor where the schema is.
-fn schema_link() -> Value {
-    json!({
-        "type": "string",
-        "description": "Where an editor finds the JSON Schema of this document; not read.",
-    })
-}
-
-/// A schema, or null.
-fn or_null(schema: Value) -> Value {
-    json!({ "anyOf": [schema, { "type": "null" }] })
 }

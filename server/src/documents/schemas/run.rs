@@ -7,7 +7,7 @@ use swarm::robot::RobotParameters;
 use swarm::spec::{ControllerParameters, DEFAULT_RANGE_M, Method};
 
 use super::about::object;
-use super::{reference, schema_link};
+use super::common::{reference, schema_link};
 use crate::documents::controller::{
     CONTROLLER_PRESET, DEFAULT_TRAINING_ARENA, METHOD, PRESET, TRAINING_EPOCHS,
 };
