@@ -163,6 +163,12 @@ pub struct RecordSpec {
     /// Record every so many steps; 0 records nothing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub every_steps: Option<u64>,
+    /// `"all"`, how many of the first, or a list of numbers.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub robots: Option<Value>,
+    /// What of a robot: `pose`, `command`, `sensors`, `decision`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fields: Option<Vec<String>>,
 }
 
 /// A job: the product of a matrix over a base run and of seeds, or a prepared one by name.

@@ -11,6 +11,7 @@ mod events;
 mod exports;
 mod findings;
 pub mod http;
+pub mod recording;
 pub mod reproduce;
 pub mod runner;
 pub mod scheduler;

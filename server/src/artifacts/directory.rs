@@ -23,6 +23,8 @@ pub struct Finished<'a> {
     pub outcome: &'a Outcome,
     /// What it leaves besides.
     pub findings: &'a Findings,
+    /// Its recording, on the file system of the workspace, where it has one.
+    pub recording: Option<&'a Path>,
 }
 
 /// Name of the directory, in the one given for it, in which files are made.
@@ -51,6 +53,17 @@ pub fn write_directory(
         let path = staged.join(name);
         write_synced(&path, &bytes).map_err(at(&path))?;
     }
+    if let Some(recording) = finished.recording
+        && let Some(file) = RUN_FILES
+            .iter()
+            .find(|file| matches!(file.maker, Maker::Recording))
+    {
+        let path = staged.join(file.name.unwrap_or_default());
+        // It stays where it is too, for whoever comes after a crash.
+        fs::hard_link(recording, &path)
+            .or_else(|_| fs::copy(recording, &path).map(drop))
+            .map_err(at(&path))?;
+    }
     sync(&staged).map_err(at(&staged))?;
     put(&staged, directory)
 }
@@ -66,6 +79,7 @@ fn files(finished: &Finished<'_>, timing: &Timing) -> Vec<(&'static str, Vec<u8>
         spec,
         outcome,
         findings,
+        recording: _,
     } = *finished;
     let reachable = || {
         let start = *spec.arena().starts().first()?;
@@ -79,16 +93,17 @@ fn files(finished: &Finished<'_>, timing: &Timing) -> Vec<(&'static str, Vec<u8>
         curve_points: None,
     };
     let make = |file: &RunFile| match file.maker {
-        Maker::Spec => spec.canonical_json().into_bytes(),
-        Maker::Result => json(&run_result(outcome)),
-        Maker::Timing => json(&timing.to_document()),
-        Maker::Findings(make) => make(&material),
+        Maker::Spec => Some(spec.canonical_json().into_bytes()),
+        Maker::Result => Some(json(&run_result(outcome))),
+        Maker::Timing => Some(json(&timing.to_document())),
+        Maker::Findings(make) => Some(make(&material)),
+        Maker::Recording => None,
     };
     let has_objects = !findings.tracks.is_empty();
     RUN_FILES
         .iter()
         .filter(|file| has_objects || !file.needs_objects)
-        .filter_map(|file| Some((file.name?, make(file))))
+        .filter_map(|file| Some((file.name?, make(file)?)))
         .collect()
 }
 

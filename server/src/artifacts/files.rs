@@ -21,7 +21,7 @@ use crate::tables::Form;
 const JSON: &str = "application/json";
 const CSV: &str = "text/csv; charset=utf-8";
 const PARQUET: &str = Form::Parquet.media_type();
-const NPY: &str = "application/octet-stream";
+const BYTES: &str = "application/octet-stream";
 
 /// Something about a run that can be read, in one format.
 #[derive(Debug)]
@@ -53,6 +53,8 @@ pub enum Maker {
     Result,
     /// What it took; only `evswarm run` knows that.
     Timing,
+    /// While the run is stepped, where its spec asks for it.
+    Recording,
     /// From what the run has found at some moment.
     Findings(fn(&Material<'_>) -> Vec<u8>),
 }
@@ -220,7 +222,7 @@ pub const RUN_FILES: &[RunFile] = &[
     form(
         Some("visits.npy"),
         Some("coverage.npy"),
-        NPY,
+        BYTES,
         Maker::Findings(|run| run.npy(&run.findings.visits)),
     ),
     form(
@@ -235,7 +237,7 @@ pub const RUN_FILES: &[RunFile] = &[
         form(
             None,
             Some("dwell.npy"),
-            NPY,
+            BYTES,
             Maker::Findings(|run| run.npy(&run.findings.dwell)),
         ),
         "steps spent a square, in the same form",
@@ -266,6 +268,16 @@ pub const RUN_FILES: &[RunFile] = &[
             let mask = (run.reachable)();
             coverage_svg(run.spec.arena(), &run.visits(), mask.as_deref(), &objects).into_bytes()
         }),
+    ),
+    holding(
+        form(
+            Some("recording.evrec"),
+            Some("recording"),
+            BYTES,
+            Maker::Recording,
+        ),
+        "what robots did, step by step; only where the spec says `record` \
+         ([docs/recordings.md](docs/recordings.md))",
     ),
     holding(
         form(Some("timing.json"), None, JSON, Maker::Timing),

@@ -158,6 +158,7 @@ fn a_directory_holds_all_files_or_is_not_there() {
             visits,
             ..Findings::default()
         },
+        recording: None,
     };
     let timing = Timing {
         wall_s: 2.0,

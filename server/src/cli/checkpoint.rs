@@ -10,6 +10,7 @@ use anyhow::{Context, bail};
 use serde::{Deserialize, Serialize};
 
 use super::out::Out;
+use crate::recording::Paths;
 
 /// `DIR.partial`, held by one process at a time.
 pub struct Checkpoint {
@@ -103,6 +104,11 @@ impl Checkpoint {
     /// The directory.
     pub fn directory(&self) -> &Path {
         &self.directory
+    }
+
+    /// Where the run's recording is made.
+    pub fn recording(&self) -> Paths {
+        Paths::new(&self.directory, "recording")
     }
 
     /// Removes the directory: the run is done.

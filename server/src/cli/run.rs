@@ -15,7 +15,8 @@ use super::progress::Meter;
 use super::{Failure, output};
 use crate::artifacts::{self, Finished, Timing};
 use crate::channels::{ChannelSettings, Extent, External, FramePublisher};
-use crate::documents::{self, BuiltinArenas, ResolvedRun};
+use crate::documents::{self, BuiltinArenas, ResolvedRun, Stretch};
+use crate::recording::{self, Begun, SharedRecorder, Tail};
 use crate::runner::{self, Checkpoints, Ended, MemoryBound, Pilot, Waits};
 use crate::scheduler::findings_of;
 use crate::stop::Stop;
@@ -66,8 +67,10 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let stop = Stop::on_signals(super::EXIT_FAILED.into())?;
 
     let (run, before) = start(&spec, &checkpoint)?;
+    let Begun { run, recorder } = recorded(&spec, &checkpoint, run)?;
     let mut work = Work {
         run,
+        recorder,
         costs: Costs::since_now(before),
     };
     show_plan(&work.run);
@@ -85,10 +88,12 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
         robot_steps: outcome.robot_steps,
         threads: rayon::current_num_threads(),
     };
+    let recording = spec.record().map(|_| checkpoint.recording().whole);
     let finished = Finished {
         spec: &spec,
         outcome: &outcome,
         findings: &findings_of(&work.run),
+        recording: recording.as_deref(),
     };
     artifacts::write_directory(out.place(), checkpoint.directory(), &finished, &timing)?;
     checkpoint.remove();
@@ -117,6 +122,7 @@ fn show_plan(run: &Run) {
 /// A run in progress, with what it has cost.
 struct Work {
     run: Run,
+    recorder: SharedRecorder,
     costs: Costs,
 }
 
@@ -192,6 +198,18 @@ fn start(spec: &ResolvedRun, checkpoint: &Checkpoint) -> Result<(Run, Spent), Fa
     Ok((run, Spent::default()))
 }
 
+/// The run with whoever records it, if its spec asks for that.
+fn recorded(spec: &ResolvedRun, checkpoint: &Checkpoint, run: Run) -> Result<Begun, Failure> {
+    let Some(request) = spec.record() else {
+        let recorder = SharedRecorder::new(None);
+        return Ok(Begun { run, recorder });
+    };
+    let header = recording::header(spec, request, Stretch::whole(&spec.run_spec()));
+    recording::begin(run, header, &checkpoint.recording(), || {
+        Run::new(spec.run_spec()).map_err(wrong)
+    })
+}
+
 fn wrong(errors: Vec<swarm::spec::FieldError>) -> Failure {
     Failure::WrongSpec(errors.into_iter().map(documents::field_error).collect())
 }
@@ -222,12 +240,19 @@ fn finish(
         progress.robot_steps_total,
         progress.robot_steps_done,
     );
-    let Work { run, costs } = work;
+    let Work {
+        run,
+        recorder,
+        costs,
+    } = work;
     let mut memory = MemoryBound::new(run_memory_bytes);
     let pilot = patient.as_mut().map(|patient| patient as &mut dyn Pilot);
-    let mut checkpoints = Checkpoints::new(|run: &Run| (run.snapshot(), costs.spent()), {
+    let take = |run: &Run| (run.snapshot(), costs.spent(), recorder.tail());
+    let mut checkpoints = Checkpoints::new(take, {
         let checkpoint = Arc::clone(checkpoint);
-        move |(snapshot, spent): (Vec<u8>, Spent)| {
+        move |(snapshot, spent, tail): (Vec<u8>, Spent, Option<Tail>)| {
+            // A recording that is given up is told of at the end.
+            tail.map(Tail::keep);
             if let Err(error) = checkpoint.save(&snapshot, spent) {
                 tracing::warn!("no checkpoint: {error:#}");
             }
@@ -237,11 +262,23 @@ fn finish(
         run,
         pilot,
         &|| stop.is_asked(),
-        &mut [&mut memory, &mut meter, &mut frames, &mut checkpoints],
+        &mut [
+            &mut memory,
+            &mut meter,
+            &mut frames,
+            &mut checkpoints,
+            &mut recorder.clone(),
+        ],
     );
+    drop(checkpoints);
     match ended {
-        Ended::Done => (run.outcome().map(Some)).context("the run is done but has no outcome"),
+        Ended::Done => {
+            recording::finish(recorder)
+                .map_err(|why| anyhow!("the recording is not whole: {why}"))?;
+            (run.outcome().map(Some)).context("the run is done but has no outcome")
+        }
         Ended::Stopped => {
+            recorder.tail().map(Tail::keep);
             checkpoint.save(&run.snapshot(), costs.spent())?;
             Ok(None)
         }

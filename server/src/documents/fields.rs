@@ -208,7 +208,7 @@ impl<'a> Object<'a> {
 }
 
 /// The whole number that a JSON number stands for, `3.0` included.
-fn read_whole(value: &Value) -> Option<u64> {
+pub fn read_whole(value: &Value) -> Option<u64> {
     value.as_u64().or_else(|| {
         // 2^53: beyond it a JSON number with a fraction part no longer counts exactly.
         let number = value.as_f64()?;

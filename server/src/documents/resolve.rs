@@ -1,7 +1,8 @@
 //! A run spec as posted, checked field by field and filled in.
 
-use api::{FieldError, RecordSpec, SCHEMA};
+use api::{FieldError, SCHEMA};
 use serde_json::Value;
+use swarm::ValidSpec;
 use swarm::spec::{EngineKind, Episodes, RunSpec};
 
 use super::arena::{ArenaSource, Arenas};
@@ -11,7 +12,8 @@ use super::fields::{Errors, Object, field_error};
 use super::learning;
 use super::limits::{MAX_EPOCHS, MAX_ROBOTS, MAX_SEED, MAX_STEPS_PER_EPOCH};
 use super::placement;
-use super::resolved::ResolvedRun;
+use super::record::{RecordRequest, Stretch, record};
+use super::resolved::{Beside, ResolvedRun};
 use super::start::Start;
 
 /// Fields of a run spec.
@@ -81,12 +83,6 @@ pub(super) const ENGINE: Choice<EngineKind> = Choice {
     shown: EngineKind::name,
     default: EngineKind::Kinematic,
 };
-pub(super) const EVERY_STEPS: Whole = Whole {
-    name: "every_steps",
-    min: 0,
-    max: u32::MAX as u64,
-    default: 0,
-};
 pub(super) const CHANNELS: Flag = Flag {
     name: "channels",
     default: false,
@@ -108,8 +104,11 @@ pub(super) fn resolve_with(
     let mut errors = Errors::default();
     let read = read(spec, arenas, &mut errors);
     match read {
-        Some((run, shown, channels)) if errors.is_empty() => match run.validate() {
-            Ok(run) => return Ok(ResolvedRun::new(run, shown, channels)),
+        Some((run, shown, beside)) if errors.is_empty() => match run.validate() {
+            Ok(run) => match check_size(&run, beside.record.as_ref()) {
+                Ok(()) => return Ok(ResolvedRun::new(run, shown, beside)),
+                Err(error) => errors.extend([error]),
+            },
             Err(wrong) => errors.extend(wrong.into_iter().map(field_error)),
         },
         _ => {}
@@ -117,11 +116,17 @@ pub(super) fn resolve_with(
     Err(errors.into_vec())
 }
 
+/// Whether what is recorded of a run is too much.
+fn check_size(run: &ValidSpec, record: Option<&RecordRequest>) -> Result<(), FieldError> {
+    let Some(record) = record else { return Ok(()) };
+    record.check_size(run, Stretch::whole(run).epochs)
+}
+
 fn read(
     spec: &Value,
     arenas: &mut Arenas<'_>,
     errors: &mut Errors,
-) -> Option<(RunSpec, api::RunSpec, bool)> {
+) -> Option<(RunSpec, api::RunSpec, Beside)> {
     let object = Object::open(spec, "", FIELDS, errors)?;
     let empty = Value::Object(serde_json::Map::new());
     let section = |name| object.get(name).unwrap_or(&empty);
@@ -143,7 +148,7 @@ fn read(
     let engine = object.choice(&ENGINE, errors);
     let memory_budget_bytes = learning::memory_budget_bytes(&object, errors);
     let sharing = learning::sharing(section("sharing"), errors);
-    record(section("record"), errors);
+    let record = record(section("record"), robots, errors);
     let channels = object.flag(&CHANNELS, errors);
 
     let (
@@ -187,24 +192,8 @@ fn read(
         engine: Some(engine.name().to_owned()),
         memory_budget_bytes: memory_budget_bytes.map_or(Value::Null, Value::from),
         sharing: Some(sharing_shown),
-        record: Some(RecordSpec {
-            every_steps: Some(0),
-        }),
+        record: Some(RecordRequest::shown(record.as_ref())),
         channels: Some(channels),
     };
-    Some((run, shown, channels))
-}
-
-/// Part of the contract, of which only a run without a recording is built.
-fn record(value: &Value, errors: &mut Errors) {
-    let Some(object) = Object::open(value, "/record", ["every_steps"], errors) else {
-        return;
-    };
-    if object.whole(&EVERY_STEPS, errors) != 0 {
-        errors.add(
-            object.pointer("every_steps"),
-            "recording is not supported yet",
-            "0",
-        );
-    }
+    Some((run, shown, Beside { record, channels }))
 }

@@ -9,6 +9,7 @@ use swarm::{RESULTS_VERSION, ValidSpec};
 
 use super::controller;
 use super::method_parameters::has_parameter;
+use super::record::RecordRequest;
 
 /// A checked run spec with every default filled in. Cheap to clone: runs of a job that differ in
 /// their seed alone share everything else.
@@ -27,11 +28,20 @@ struct Common {
     shown: api::RunSpec,
     /// The canonical text, but for the line with the seed.
     text: String,
-    channels: bool,
+    beside: Beside,
+}
+
+/// What is looked at of a run, which changes nothing of what it comes to.
+#[derive(Clone, Debug, Default)]
+pub struct Beside {
+    /// What is recorded.
+    pub record: Option<RecordRequest>,
+    /// Whether local programs can watch it through shared memory.
+    pub channels: bool,
 }
 
 impl ResolvedRun {
-    pub(super) fn new(run: ValidSpec, mut shown: api::RunSpec, channels: bool) -> Self {
+    pub(super) fn new(run: ValidSpec, mut shown: api::RunSpec, beside: Beside) -> Self {
         let seed = run.seed;
         shown.seed = None;
         let text = text(&shown);
@@ -45,7 +55,7 @@ impl ResolvedRun {
                 run,
                 shown,
                 text,
-                channels,
+                beside,
             }),
         }
     }
@@ -117,7 +127,21 @@ impl ResolvedRun {
 
     /// Whether local programs can watch the run through shared memory.
     pub fn channels(&self) -> bool {
-        self.common.channels
+        self.common.beside.channels
+    }
+
+    /// What is recorded of the run.
+    pub fn record(&self) -> Option<&RecordRequest> {
+        self.common.beside.record.as_ref()
+    }
+
+    /// The same run without anything recorded or shown: what a recording is of.
+    #[must_use]
+    pub fn unrecorded(&self) -> Self {
+        let mut shown = self.common.shown.clone();
+        shown.record = Some(RecordRequest::shown(None));
+        shown.channels = Some(false);
+        Self::new(self.run_spec(), shown, Beside::default())
     }
 
     /// The spec with every field present but the seed.

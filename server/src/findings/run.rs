@@ -86,7 +86,7 @@ impl Assembler {
         };
         match file.maker {
             Maker::Findings(make) => Ok(make(&material).into()),
-            Maker::Spec | Maker::Result | Maker::Timing => {
+            Maker::Spec | Maker::Result | Maker::Timing | Maker::Recording => {
                 Err(FindingsError::broken(&run.id, "no findings make this file"))
             }
         }

@@ -95,7 +95,9 @@ pub fn script() -> String {
     let is_json_alone = |file: &RunFile| {
         file.media_type == "application/json" && matches!(file.maker, Maker::Findings(_))
     };
-    let links = RUN_FILES.iter().filter(|file| !is_json_alone(file));
+    let is_linked =
+        |file: &&RunFile| !is_json_alone(file) && !matches!(file.maker, Maker::Recording);
+    let links = RUN_FILES.iter().filter(is_linked);
     let links: Vec<Link> = links
         .filter_map(|file| {
             Some(Link {

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use swarm::run::{Phase, Progress, Run};
+use swarm::run::{Phase, Progress, Run, Witness};
 
 use super::observer::Stop;
 use super::pilot::Pilot;
@@ -25,10 +25,15 @@ impl Default for Block {
 
 impl Block {
     /// Steps a run on by a block of at most so many steps.
-    pub fn advance(&mut self, run: &mut Run, most: u64) -> Progress {
+    pub fn advance(
+        &mut self,
+        run: &mut Run,
+        most: u64,
+        witness: Option<&mut dyn Witness>,
+    ) -> Progress {
         let start = Instant::now();
         let steps = self.steps.min(most);
-        let progress = run.advance(steps);
+        let progress = run.advance_before(steps, witness);
         self.resize(steps, start.elapsed());
         progress
     }
@@ -42,6 +47,7 @@ impl Block {
         run: &mut Run,
         most: u64,
         pilot: &mut dyn Pilot,
+        mut witness: Option<&mut dyn Witness>,
     ) -> Result<Progress, Stop> {
         let start = Instant::now();
         let steps = self.steps.min(most);
@@ -51,7 +57,10 @@ impl Block {
                 break;
             }
             pilot.steer(run)?;
-            progress = run.advance(1);
+            progress = match &mut witness {
+                None => run.advance(1),
+                Some(witness) => run.advance_before(1, Some(&mut **witness)),
+            };
         }
         self.resize(steps, start.elapsed());
         Ok(progress)

@@ -72,9 +72,10 @@ fn blocks(
             .filter_map(|observer| observer.next_step_wanted(step))
             .min();
         let most = wanted.map_or(u64::MAX, |wanted| wanted.saturating_sub(step).max(1));
+        let witness = observers.iter_mut().find_map(|observer| observer.witness());
         progress = match &mut pilot {
-            None => block.advance(run, most),
-            Some(pilot) => block.fly(run, most, *pilot)?,
+            None => block.advance(run, most, witness),
+            Some(pilot) => block.fly(run, most, *pilot, witness)?,
         };
         for observer in observers.iter_mut() {
             observer.after_block(run, &progress)?;

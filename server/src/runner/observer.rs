@@ -1,6 +1,6 @@
 //! Who sees a run while it is stepped.
 
-use swarm::run::{Progress, Run};
+use swarm::run::{Progress, Run, Witness};
 
 /// Sees a run between two blocks of steps. It cannot change the run, and what it asks for changes
 /// no result, only where blocks end.
@@ -18,6 +18,11 @@ pub trait Observer {
     /// latest. `None` when any will do.
     fn next_step_wanted(&self, step: u64) -> Option<u64> {
         let _ = step;
+        None
+    }
+
+    /// Who sees single steps within a block for it; of several observers the first that has one.
+    fn witness(&mut self) -> Option<&mut dyn Witness> {
         None
     }
 
@@ -41,6 +46,10 @@ impl<O: Observer> Observer for Option<O> {
 
     fn next_step_wanted(&self, step: u64) -> Option<u64> {
         self.as_ref()?.next_step_wanted(step)
+    }
+
+    fn witness(&mut self) -> Option<&mut dyn Witness> {
+        self.as_mut()?.witness()
     }
 
     fn after_block(&mut self, run: &Run, progress: &Progress) -> Result<(), Stop> {

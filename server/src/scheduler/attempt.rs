@@ -12,7 +12,8 @@ use super::counters::{CountedSteps, Counters};
 use super::live::{LiveRun, Views, findings_of};
 use crate::artifacts::{run_result, thread_cpu_s};
 use crate::channels::{AskError, Extent, External, FramePublisher};
-use crate::documents::{ResolvedRun, parse, resolve};
+use crate::documents::{ResolvedRun, Stretch, parse, resolve};
+use crate::recording::{Begun, SharedRecorder, Tail, begin, finish, header};
 use crate::runner::{self, Checkpoints, MemoryBound, PauseAt, Pilot, Stop, Waits};
 use crate::store::{Checkpoint, ClaimedRun, Finished, Position, Store};
 use crate::watching::Watched;
@@ -22,7 +23,7 @@ pub enum Ended {
     /// The run is done; with its last state, where that is to be kept.
     Finished(Box<Finished>, Vec<u8>),
     /// The worker was asked to let go, or the run's controllers do not answer.
-    Stopped(Box<Run>, Option<Waits>),
+    Stopped(Box<Run>, SharedRecorder, Option<Waits>),
     /// The run cannot go on.
     Failed(String),
 }
@@ -41,8 +42,10 @@ pub fn attempt(
         Ok(resolved) => resolved,
         Err(errors) => return Ended::Failed(spec_failure(errors)),
     };
-    let mut run = match open(store, claimed, &resolved) {
-        Ok(run) => run,
+    let opened = open(store, claimed, &resolved);
+    let begun = opened.and_then(|run| recorded(store, claimed, &resolved, run));
+    let (mut run, recorder) = match begun {
+        Ok(Begun { run, recorder }) => (run, recorder),
         Err(reason) => return Ended::Failed(reason),
     };
     let extent = Extent::of(&resolved.run_spec());
@@ -52,17 +55,18 @@ pub fn attempt(
         .flatten();
     let mut external = match External::open(&config.channels.root, &claimed.id, run.spec()) {
         Ok(external) => external,
-        Err(error) => return Ended::Stopped(Box::new(run), Some(waits(&error))),
+        Err(error) => return Ended::Stopped(Box::new(run), recorder, Some(waits(&error))),
     };
     let pilot = external.as_mut().map(|external| external as &mut dyn Pilot);
     let done_before = run.progress().robot_steps_done;
     let mut views = Views::new(live, done_before);
-    let mut checkpoints = Checkpoints::new(checkpoint_of, {
+    let take = |run: &Run| (checkpoint_of(run), recorder.tail());
+    let mut checkpoints = Checkpoints::new(take, {
         let (store, id) = (Arc::clone(store), claimed.id.clone());
         let saves = Arc::clone(live.saves());
         let counters = counters.clone();
-        move |checkpoint| {
-            counters.time_checkpoint(|| write(&store, &id, &checkpoint));
+        move |(checkpoint, tail)| {
+            counters.time_checkpoint(|| write(&store, &id, &checkpoint, tail));
             saves.is_written();
         }
     })
@@ -71,6 +75,7 @@ pub fn attempt(
         move || saves.is_asked()
     });
     let mut watched = Watched::new(&live.window, run.robots().len());
+    let mut recording = recorder.clone();
     let mut memory = MemoryBound::new(config.run_memory_bytes);
     let mut steps = CountedSteps::new(counters, done_before);
     let mut pause = claimed.pause_at_step.map(PauseAt);
@@ -86,8 +91,10 @@ pub fn attempt(
             &mut watched,
             &mut checkpoints,
             &mut pause,
+            &mut recording,
         ],
     );
+    drop(checkpoints);
     let steps = run.progress().robot_steps_done - done_before;
     if steps > 0 {
         live.set_pace(steps as f64 / start.elapsed().as_secs_f64().max(1e-9));
@@ -99,6 +106,9 @@ pub fn attempt(
     };
     match run.outcome() {
         Some(outcome) => {
+            if let Err(why) = finish(&recorder) {
+                tracing::warn!(run = claimed.id, why, "the recording is not whole");
+            }
             let result = run_result(&outcome);
             let keeps = store.finals().most_bytes() > 0;
             let last = if keeps { run.snapshot() } else { Vec::new() };
@@ -110,7 +120,7 @@ pub fn attempt(
             };
             Ended::Finished(Box::new(finished), last)
         }
-        None => Ended::Stopped(Box::new(run), waits),
+        None => Ended::Stopped(Box::new(run), recorder, waits),
     }
 }
 
@@ -129,7 +139,13 @@ fn waits(error: &AskError) -> Waits {
 }
 
 /// Stores the position and the checkpoint of a run that is let go, unless it is not wanted any more.
-pub fn park(store: &Store, claimed: &ClaimedRun, run: &Run, waits: Option<&Waits>) {
+pub fn park(
+    store: &Store,
+    claimed: &ClaimedRun,
+    run: &Run,
+    recorder: &SharedRecorder,
+    waits: Option<&Waits>,
+) {
     let pause = claimed.pause_at_step.map(PauseAt);
     let held = match waits {
         Some(waits) => store.hold_waiting(claimed.seq, &waits.why, waits.for_controllers),
@@ -154,17 +170,21 @@ pub fn park(store: &Store, claimed: &ClaimedRun, run: &Run, waits: Option<&Waits
         robot_steps_done,
     };
     match store.park(claimed.seq, &position, robot_steps_total) {
-        Ok(true) => save(store, &claimed.id, run),
-        Ok(false) => store.checkpoints().remove(&claimed.id),
+        Ok(true) => save(store, &claimed.id, run, recorder),
+        Ok(false) => {
+            store.checkpoints().remove(&claimed.id);
+            drop(recorder.take());
+            store.recordings().live(&claimed.id).remove();
+        }
         Err(error) => {
             tracing::error!(run = claimed.id, %error, "the run's position cannot be stored");
-            save(store, &claimed.id, run);
+            save(store, &claimed.id, run, recorder);
         }
     }
 }
 
-fn save(store: &Store, id: &str, run: &Run) {
-    write(store, id, &checkpoint_of(run));
+fn save(store: &Store, id: &str, run: &Run, recorder: &SharedRecorder) {
+    write(store, id, &checkpoint_of(run), recorder.tail());
 }
 
 pub fn checkpoint_of(run: &Run) -> Checkpoint {
@@ -175,8 +195,12 @@ pub fn checkpoint_of(run: &Run) -> Checkpoint {
 }
 
 /// A run without a checkpoint starts again after a crash, with the same result: a warning will do.
-/// Returns whether it is written.
-fn write(store: &Store, id: &str, checkpoint: &Checkpoint) -> bool {
+/// The recording comes first: a checkpoint that it does not reach to would be worth nothing. Returns
+/// whether it is written.
+fn write(store: &Store, id: &str, checkpoint: &Checkpoint, tail: Option<Tail>) -> bool {
+    if tail.is_some_and(|tail| !tail.keep()) {
+        tracing::warn!(run = id, "the recording cannot be kept");
+    }
     let written = store.checkpoints().write(id, checkpoint);
     if let Err(error) = &written {
         tracing::warn!(run = id, %error, "the checkpoint cannot be written");
@@ -205,21 +229,53 @@ fn open(store: &Store, claimed: &ClaimedRun, resolved: &ResolvedRun) -> Result<R
     if let Some(run) = restored {
         return Ok(run);
     }
+    anew(store, claimed, resolved)
+}
+
+/// The run at its beginning.
+fn anew(store: &Store, claimed: &ClaimedRun, resolved: &ResolvedRun) -> Result<Run, String> {
+    let id = claimed.id.as_str();
     store.checkpoints().remove(id);
     if claimed.has_origin {
-        let origin = match store.origins().read(id) {
-            Ok(Some(origin)) => origin,
-            Ok(None) => return Err("the state that it goes on from is gone".to_owned()),
-            Err(error) => return Err(format!("it cannot go on from where it begins: {error}")),
-        };
-        return Run::restore(resolved.run_spec(), &origin.snapshot)
-            .map_err(|error| format!("it cannot go on from where it begins: {error}"));
+        return begin_at_origin(store, id, resolved)?
+            .ok_or_else(|| "the state that it goes on from is gone".to_owned());
     }
     Run::new(resolved.run_spec()).map_err(|errors| {
         let errors = errors.into_iter();
         let told = errors.map(|e| FieldError::new(e.pointer, e.message, e.allowed));
         spec_failure(told.collect())
     })
+}
+
+/// The run with whoever records it, if its spec asks for that.
+fn recorded(
+    store: &Store,
+    claimed: &ClaimedRun,
+    resolved: &ResolvedRun,
+    run: Run,
+) -> Result<Begun, String> {
+    let id = claimed.id.as_str();
+    let nobody = SharedRecorder::new(None);
+    let Some(request) = resolved.record() else {
+        return Ok(Begun {
+            run,
+            recorder: nobody,
+        });
+    };
+    let mut stretch = Stretch::whole(&resolved.run_spec());
+    if claimed.has_origin {
+        let origin = begin_at_origin(store, id, resolved)?;
+        let first = origin.map_or(0, |origin| first_whole_epoch(&origin));
+        stretch = stretch.from(first);
+    }
+    if let Err(error) = store.recordings().make(id) {
+        tracing::warn!(run = id, %error, "the run goes on without a recording");
+    }
+    let (paths, header) = (
+        store.recordings().live(id),
+        header(resolved, request, stretch),
+    );
+    begin(run, header, &paths, || anew(store, claimed, resolved))
 }
 
 fn warn_discarded(id: &str, error: &dyn std::fmt::Display) {

@@ -320,6 +320,7 @@ impl Shared {
                 Some(live) => live.stop(),
                 None if dropped && !self.is_wanted(run.seq) => {
                     self.store.checkpoints().remove(&run.id);
+                    self.store.recordings().live(&run.id).remove();
                 }
                 None => {}
             }
@@ -413,9 +414,10 @@ impl Shared {
                 tracing::error!(run = claimed.id, reason, "the run failed");
                 self.persist(&claimed.id, || self.store.fail(claimed.seq, &reason));
             }
-            Ended::Stopped(run, waits) => {
-                let waits = waits.as_ref();
-                let parking = AssertUnwindSafe(|| attempt::park(&self.store, claimed, &run, waits));
+            Ended::Stopped(run, recorder, waits) => {
+                let parking = AssertUnwindSafe(|| {
+                    attempt::park(&self.store, claimed, &run, &recorder, waits.as_ref());
+                });
                 if let Err(panic) = catch_unwind(parking) {
                     let reason = said(&*panic);
                     self.persist(&claimed.id, || self.store.fail(claimed.seq, &reason));

@@ -12,6 +12,7 @@ use super::checkpoints::Checkpoints;
 use super::error::StoreError;
 use super::finals::Finals;
 use super::readers::{Reader, Readers};
+use super::recordings::Recordings;
 use super::{lock, look, migrations, private};
 
 /// The database's file in a data directory.
@@ -22,6 +23,8 @@ pub(super) const CHECKPOINTS: &str = "checkpoints";
 pub(super) const ORIGINS: &str = "origins";
 /// The folder of the last states of runs that are done.
 const FINALS: &str = "finals";
+/// The folder of recordings.
+pub(super) const RECORDINGS: &str = "recordings";
 
 /// Room below which the store is not ready for more, bytes.
 const LEAST_ROOM_BYTES: u64 = 16 << 20;
@@ -41,6 +44,7 @@ pub struct Store {
     pub(super) checkpoints: Checkpoints,
     pub(super) origins: Checkpoints,
     pub(super) finals: Finals,
+    recordings: Recordings,
     _lock: std::fs::File,
 }
 
@@ -75,6 +79,7 @@ impl Store {
             checkpoints,
             origins: Checkpoints::open(&dir.join(ORIGINS))?,
             finals: Finals::open(&dir.join(FINALS))?,
+            recordings: Recordings::open(&dir.join(RECORDINGS))?,
             _lock: lock,
         })
     }
@@ -92,6 +97,11 @@ impl Store {
     /// The last states of runs that are done.
     pub fn finals(&self) -> &Finals {
         &self.finals
+    }
+
+    /// The recordings of runs.
+    pub fn recordings(&self) -> &Recordings {
+        &self.recordings
     }
 
     /// Whether the database answers, and there is room to store what comes.

@@ -82,6 +82,11 @@ impl SharedTableExplorers {
         self.deciders.get(robot)
     }
 
+    /// Where each robot stands in the table; index is the robot's number.
+    pub fn deciders(&self) -> &[Decider] {
+        &self.deciders
+    }
+
     /// Robots.
     pub fn robots(&self) -> usize {
         self.deciders.len()

@@ -2,10 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::plan::Decision;
 use super::robot_memory::RobotMemory;
 use crate::caps::MemoryPlan;
 use crate::controllers::{
-    Babbler, Brownian, Codebook, Crawler, Explorer, Replayer, SharedTableExplorers, Watch,
+    Babbler, Brownian, Codebook, Crawler, Decider, Explorer, Replayer, SharedTableExplorers, Watch,
 };
 use crate::dimensions::WHEELS;
 use crate::learn::archive::Archive;
@@ -385,6 +386,40 @@ impl Learners {
                 controllers.first().map(|p| (p.codebook(), p.repository()))
             }
             Learners::SharedTable(robots) => Some((robots.codebook(), robots.repository())),
+            _ => None,
+        }
+    }
+
+    /// Calls for each robot that knows states and actions, in the order of their numbers.
+    pub fn each_decision(&self, each: &mut dyn FnMut(Decision)) {
+        let of = |decider: &Decider| Decision {
+            state: decider.state(),
+            action: decider.action(),
+        };
+        match self {
+            Learners::Replayers(controllers) => {
+                let deciders = controllers.iter().map(|p| p.explorer().decider());
+                deciders.for_each(|decider| each(of(decider)));
+            }
+            Learners::Explorers(controllers) => {
+                let deciders = controllers.iter().map(Explorer::decider);
+                deciders.for_each(|decider| each(of(decider)));
+            }
+            Learners::SharedTable(robots) => {
+                robots
+                    .deciders()
+                    .iter()
+                    .for_each(|decider| each(of(decider)));
+            }
+            _ => {}
+        }
+    }
+
+    /// The table that a robot explores by, if it does.
+    pub fn table(&self, robot: usize) -> Option<&Repository> {
+        match self {
+            Learners::Explorers(controllers) => controllers.get(robot).map(Explorer::repository),
+            Learners::SharedTable(robots) => Some(robots.repository()),
             _ => None,
         }
     }

@@ -40,6 +40,17 @@ pub struct Run {
     pub(super) sensori_motor_clusters: u32,
 }
 
+/// Sees the steps 0, n, 2n, ... of each epoch: 0 is where robots begin, before the first move, and
+/// the last is seen before robots are put back. It sees no step twice, in however many calls a run
+/// is stepped, interrupted or not.
+pub trait Witness {
+    /// Steps between two looks.
+    fn every_steps(&self) -> u32;
+
+    /// Looks at the run.
+    fn see(&mut self, run: &Run);
+}
+
 impl Run {
     /// Sets a run up.
     ///
@@ -70,20 +81,28 @@ impl Run {
 
     /// Steps the run on by at most `max_steps` steps of its arena (each moves every robot once).
     pub fn advance(&mut self, max_steps: u64) -> Progress {
+        self.advance_before(max_steps, None)
+    }
+
+    /// As [`Run::advance`], before the eyes of a witness, who changes nothing.
+    pub fn advance_before(
+        &mut self,
+        max_steps: u64,
+        mut witness: Option<&mut dyn Witness>,
+    ) -> Progress {
         let mut left = max_steps;
         while left > 0 && self.stage().is_some() {
-            let until = self.next_row();
-            let rest = u64::from(until - self.position.step);
+            let row = self.next_row();
+            let rest = u64::from(row - self.position.step);
             let steps = rest.min(left);
-            let venue = self.venue();
-            let Venue { world, radio, .. } = &mut self.venues[venue];
-            self.learners.advance(world, radio.as_mut(), steps);
-            self.position.step += steps as u32;
-            self.position.steps += steps;
+            match &mut witness {
+                None => self.step_on(steps as u32),
+                Some(witness) => self.step_on_before(&mut **witness, steps as u32),
+            }
             left -= steps;
             if self.position.step == self.spec.steps_per_epoch {
                 self.end_epoch();
-            } else if self.position.step == until {
+            } else if self.position.step == row {
                 self.add_row();
             }
         }
@@ -100,6 +119,34 @@ impl Run {
     /// Epoch of the present stage that the run is in, and its step within it, both from 0.
     pub fn epoch_and_step(&self) -> (u32, u32) {
         (self.position.epoch, self.position.step)
+    }
+
+    /// Moves every robot so many times, within an epoch.
+    fn step_on(&mut self, steps: u32) {
+        let venue = self.venue();
+        let Venue { world, radio, .. } = &mut self.venues[venue];
+        self.learners
+            .advance(world, radio.as_mut(), u64::from(steps));
+        self.position.step += steps;
+        self.position.steps += u64::from(steps);
+    }
+
+    /// As [`Run::step_on`], with a look at the beginning of the epoch and every so many steps of it.
+    fn step_on_before(&mut self, witness: &mut dyn Witness, steps: u32) {
+        if self.position.step == 0 {
+            witness.see(self);
+        }
+        let every = witness.every_steps().max(1);
+        let end = self.position.step + steps;
+        let mut look = u64::from(self.position.step / every) * u64::from(every);
+        while self.position.step < end {
+            look += u64::from(every);
+            let until = look.min(u64::from(end)) as u32;
+            self.step_on(until - self.position.step);
+            if u64::from(until) == look {
+                witness.see(self);
+            }
+        }
     }
 
     pub(super) fn stage(&self) -> Option<Stage> {

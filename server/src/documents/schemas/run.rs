@@ -14,8 +14,9 @@ use crate::documents::controller::{
 use crate::documents::learning::{BUDGET, BUDGETS, BYTES_PER_STEP, MODE, MOST_RANGE_M};
 use crate::documents::listing::shown_value;
 use crate::documents::placement::{ANYWHERE, KIND, KIND_ALONE};
+use crate::documents::record::{EVERY_STEPS, field_names};
 use crate::documents::resolve::{
-    CHANNELS, DEFAULT_ARENA, ENGINE, EPISODES, EPOCHS, EVERY_STEPS, ROBOTS, SEED, STEPS_PER_EPOCH,
+    CHANNELS, DEFAULT_ARENA, ENGINE, EPISODES, EPOCHS, ROBOTS, SEED, STEPS_PER_EPOCH,
     VERSION,
 };
 use crate::documents::start::{MOST_M, MOST_RAD};
@@ -73,7 +74,22 @@ fn fields(prefix: &str) -> Value {
         ("sharing", reference(prefix, "SharingSpec")),
         (
             "record",
-            object::<api::RecordSpec>([(EVERY_STEPS.name, EVERY_STEPS.schema())]),
+            object::<api::RecordSpec>([
+                (EVERY_STEPS.name, EVERY_STEPS.schema()),
+                (
+                    "robots",
+                    json!({ "anyOf": [
+                        { "const": "all" },
+                        { "type": "integer", "minimum": 1, "maximum": ROBOTS.max },
+                        { "type": "array", "minItems": 1, "uniqueItems": true,
+                            "items": { "type": "integer", "minimum": 0, "maximum": ROBOTS.max - 1 } },
+                    ], "default": "all" }),
+                ),
+                (
+                    "fields",
+                    json!({ "type": "array", "minItems": 1, "items": { "enum": field_names() } }),
+                ),
+            ]),
         ),
         (CHANNELS.name, CHANNELS.schema()),
     ])

@@ -1,0 +1,317 @@
+//! What is to be recorded of a run: `record` in a spec, and what is asked for afterwards.
+
+use api::{FieldError, RecordSpec};
+use recording::{Chosen, Fields};
+use serde_json::Value;
+use swarm::ValidSpec;
+use swarm::run::StagePlan;
+
+use super::domains::Whole;
+use super::fields::{Errors, Object, did_you_mean, join, kind, read_whole};
+
+/// Most bytes of one recording, about which a spec is refused that would make a larger one.
+pub const MOST_RECORDING_BYTES: u64 = 4 << 30;
+/// Names of what is recorded of a robot, and about how many bytes each takes a sample.
+const FIELDS: [(&str, f64); 4] = [
+    ("pose", 1.0),
+    ("command", 1.5),
+    ("sensors", 6.0),
+    ("decision", 1.0),
+];
+/// Steps between two samples of a run that records itself; 0 records nothing.
+pub(super) const EVERY_STEPS: Whole = Whole {
+    name: "every_steps",
+    min: 0,
+    max: u32::MAX as u64,
+    default: 0,
+};
+/// About how many bytes an object takes a sample.
+const OBJECT_BYTES: f64 = 1.0;
+
+/// What is to be recorded.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RecordRequest {
+    /// Every so many steps.
+    pub every_steps: u32,
+    /// Of which robots.
+    pub robots: RobotChoice,
+    /// What of them.
+    pub fields: Fields,
+}
+
+/// Robots that are recorded.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum RobotChoice {
+    /// All of them.
+    All,
+    /// The first so many.
+    First(u32),
+    /// These, in ascending order.
+    List(Vec<u32>),
+}
+
+/// Epochs of a run that are recorded, counted from 0 over all its stages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stretch {
+    /// The first.
+    pub from_epoch: u64,
+    /// How many.
+    pub epochs: u64,
+}
+
+impl Stretch {
+    /// All of a run.
+    pub fn whole(spec: &ValidSpec) -> Self {
+        let plan = spec.plan();
+        Self {
+            from_epoch: 0,
+            epochs: plan.iter().map(StagePlan::arena_epochs).sum(),
+        }
+    }
+}
+
+impl RobotChoice {
+    /// Of so many robots.
+    pub fn of(&self, robots: u32) -> Chosen {
+        match self {
+            RobotChoice::All => Chosen::First(robots),
+            RobotChoice::First(count) => Chosen::First((*count).min(robots)),
+            RobotChoice::List(list) => Chosen::List(list.clone()),
+        }
+    }
+
+    fn shown(&self) -> Value {
+        match self {
+            RobotChoice::All => Value::from("all"),
+            RobotChoice::First(count) => Value::from(*count),
+            RobotChoice::List(list) => Value::from(list.clone()),
+        }
+    }
+}
+
+impl RecordRequest {
+    /// As a spec has it.
+    pub fn shown(request: Option<&Self>) -> RecordSpec {
+        RecordSpec {
+            every_steps: Some(request.map_or(0, |request| u64::from(request.every_steps))),
+            robots: request.map(|request| request.robots.shown()),
+            fields: request.map(|request| {
+                let names = names_of(request.fields);
+                names.into_iter().map(str::to_owned).collect()
+            }),
+        }
+    }
+
+    /// About how many bytes it takes, of so many robots and objects in so many samples.
+    fn bytes(&self, samples: u64, robots: usize, objects: usize) -> f64 {
+        let has = has(self.fields);
+        let fields = FIELDS.iter().zip(has);
+        let robot: f64 = fields.filter(|(_, has)| *has).map(|((_, b), _)| b).sum();
+        samples as f64 * (robot * robots as f64 + OBJECT_BYTES * objects as f64)
+    }
+
+    /// Whether a recording of so many epochs would be too large.
+    ///
+    /// # Errors
+    /// What would fit.
+    pub fn check_size(&self, spec: &ValidSpec, epochs: u64) -> Result<(), FieldError> {
+        let samples =
+            |every: u32| epochs.saturating_mul(1 + u64::from(spec.steps_per_epoch / every));
+        let robots = self.robots.of(spec.robots).len();
+        let objects = spec.arena.objects().len();
+        let bytes = |every, robots| self.bytes(samples(every), robots, objects);
+        let most = MOST_RECORDING_BYTES as f64;
+        let wanted = bytes(self.every_steps, robots);
+        if wanted <= most {
+            return Ok(());
+        }
+        let fits = |every: &u32| bytes(*every, robots) <= most;
+        // From one step to one epoch, by tenths of what is too little.
+        let steps = std::iter::successors(Some(self.every_steps), |every| {
+            (*every < spec.steps_per_epoch).then(|| every + every.div_ceil(10))
+        });
+        let every = steps
+            .map(|every| every.min(spec.steps_per_epoch))
+            .find(fits);
+        let fewer = ((robots as f64 * most / wanted).floor() as usize).max(1);
+        let fewer = (bytes(self.every_steps, fewer) <= most).then_some(fewer);
+        let ways = [
+            every.map(|every| format!("every_steps of at least {every}")),
+            fewer.map(|fewer| format!("at most {fewer} robots")),
+        ];
+        let ways: Vec<String> = ways.into_iter().flatten().collect();
+        let allowed = match ways.is_empty() {
+            true => "fewer epochs, fields, robots and samples".to_owned(),
+            false => ways.join(", or "),
+        };
+        Err(FieldError::new(
+            "/record",
+            format!(
+                "the recording would take about {:.1} GiB, more than {} GiB",
+                wanted / f64::from(1 << 30),
+                MOST_RECORDING_BYTES >> 30
+            ),
+            allowed,
+        ))
+    }
+}
+
+/// Names of what is recorded of a robot.
+pub(super) fn field_names() -> [&'static str; 4] {
+    FIELDS.map(|(name, _)| name)
+}
+
+fn has(fields: Fields) -> [bool; 4] {
+    [fields.pose, fields.command, fields.sensors, fields.decision]
+}
+
+/// The names of fields, in the order of their table.
+pub fn names_of(fields: Fields) -> Vec<&'static str> {
+    let named = FIELDS.iter().zip(has(fields));
+    named
+        .filter(|(_, has)| *has)
+        .map(|((n, _), _)| *n)
+        .collect()
+}
+
+/// Reads `record`; `None` where nothing is recorded.
+pub fn record(value: &Value, robots: u32, errors: &mut Errors) -> Option<RecordRequest> {
+    let known = ["every_steps", "robots", "fields"];
+    let object = Object::open(value, "/record", known, errors)?;
+    let every = object.whole(&EVERY_STEPS, errors) as u32;
+    if every == 0 {
+        for field in ["robots", "fields"] {
+            if object.get(field).is_some() {
+                let pointer = object.pointer(field);
+                let message = "nothing is recorded: every_steps is 0";
+                errors.add(pointer, message, "only with every_steps of at least 1");
+            }
+        }
+        return None;
+    }
+    request(&object, every, robots, errors)
+}
+
+/// Reads what is recorded every so many steps, of a run with so many robots.
+pub(super) fn request(
+    object: &Object<'_>,
+    every_steps: u32,
+    robots: u32,
+    errors: &mut Errors,
+) -> Option<RecordRequest> {
+    let robots = chosen(object, robots, errors);
+    let fields = fields(object, errors);
+    Some(RecordRequest {
+        every_steps,
+        robots: robots?,
+        fields: fields?,
+    })
+}
+
+fn chosen(object: &Object<'_>, robots: u32, errors: &mut Errors) -> Option<RobotChoice> {
+    let pointer = object.pointer("robots");
+    let allowed = format!(
+        "\"all\", how many of the first (1 to {robots}), or a list of numbers from 0 to {}",
+        robots.saturating_sub(1)
+    );
+    let message = match object.get("robots") {
+        None => return Some(RobotChoice::All),
+        Some(Value::String(text)) if text == "all" => return Some(RobotChoice::All),
+        Some(value @ Value::Number(number)) => match read_whole(value) {
+            Some(count) if (1..=u64::from(robots)).contains(&count) => {
+                return Some(RobotChoice::First(count as u32));
+            }
+            _ => format!("{number} is not from 1 to {robots}"),
+        },
+        Some(Value::Array(list)) => return listed(list, robots, &pointer, &allowed, errors),
+        Some(Value::String(_)) => "is not \"all\"".to_owned(),
+        Some(value) => format!("must be \"all\", a number or a list, not {}", kind(value)),
+    };
+    errors.add(pointer, message, allowed);
+    None
+}
+
+fn listed(
+    list: &[Value],
+    robots: u32,
+    pointer: &str,
+    allowed: &str,
+    errors: &mut Errors,
+) -> Option<RobotChoice> {
+    let mut numbers = Vec::new();
+    for (place, value) in list.iter().enumerate() {
+        match read_whole(value).filter(|number| *number < u64::from(robots)) {
+            Some(number) => numbers.push(number as u32),
+            None => errors.add(
+                join(pointer, &place.to_string()),
+                format!(
+                    "is not the number of a robot, 0 to {}",
+                    robots.saturating_sub(1)
+                ),
+                allowed,
+            ),
+        }
+    }
+    if numbers.len() < list.len() {
+        return None;
+    }
+    numbers.sort_unstable();
+    let twice = numbers.windows(2).find(|both| both[0] == both[1]);
+    if let Some(twice) = twice {
+        errors.add(
+            pointer,
+            format!("robot {} is listed twice", twice[0]),
+            allowed,
+        );
+        return None;
+    }
+    if numbers.is_empty() {
+        errors.add(pointer, "no robot is listed", allowed);
+        return None;
+    }
+    Some(RobotChoice::List(numbers))
+}
+
+fn fields(object: &Object<'_>, errors: &mut Errors) -> Option<Fields> {
+    let names = FIELDS.map(|(name, _)| name);
+    let allowed = format!("a list of some of {}", names.join(", "));
+    let pointer = object.pointer("fields");
+    let list = match object.get("fields") {
+        None => return Some(Fields::ALL),
+        Some(Value::Array(list)) if !list.is_empty() => list,
+        Some(Value::Array(_)) => {
+            errors.add(pointer, "the list is empty", allowed);
+            return None;
+        }
+        Some(value) => {
+            let message = format!("must be a list, not {}", kind(value));
+            errors.add(pointer, message, allowed);
+            return None;
+        }
+    };
+    let mut has = [false; 4];
+    let mut sound = true;
+    for (place, value) in list.iter().enumerate() {
+        let name = value.as_str().unwrap_or_default();
+        match names.iter().position(|known| *known == name) {
+            Some(known) => has[known] = true,
+            None => {
+                sound = false;
+                let told = match value {
+                    Value::String(_) => {
+                        format!("there is no such field{}", did_you_mean(name, &names))
+                    }
+                    _ => format!("must be a name, not {}", kind(value)),
+                };
+                errors.add(join(&pointer, &place.to_string()), told, allowed.clone());
+            }
+        }
+    }
+    let [pose, command, sensors, decision] = has;
+    sound.then_some(Fields {
+        pose,
+        command,
+        sensors,
+        decision,
+    })
+}
