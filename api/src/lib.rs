@@ -16,6 +16,7 @@ pub mod learnt;
 pub mod objects;
 pub mod problem;
 pub mod problem_codes;
+pub mod recording;
 pub mod refusals;
 pub mod result;
 pub mod spec;
@@ -32,6 +33,10 @@ pub use job::{Job, JobPage, RunCounts, RunOrigin, RunPage, RunSummary};
 pub use objects::{ObjectSample, ObjectTrack, ObjectTracks};
 pub use problem::{FieldError, Problem, ProblemList, ProblemMeaning};
 pub use problem_codes::ProblemCode;
+pub use recording::{
+    AskRecording, RecordedEpoch, RecordedPhase, RecordedPoses, RecordedRobot, RecordingHead,
+    RecordingList, RecordingSlice, RecordingState, RecordingSummary,
+};
 pub use result::{
     ClusterCounts, Coverage, CurveRow, Fractions, Levels, Memory, MemoryPlan, MetricValues,
     Metrics, MetricsRow, ModelAccuracy, ObjectResult, RunResult, Squares,

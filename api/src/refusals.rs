@@ -58,7 +58,7 @@ pub const REFUSED: &[RefusedCase] = &[
     spec("movable objects under the kinematic engine, also in a training arena"),
     spec("a memory budget too small for any plan (the smallest that works is told)"),
     spec("sharing what a method does not have, or by a radio that cannot be"),
-    spec("recording (not built yet)"),
+    spec("recording robots or fields that are not there, or more bytes than a recording may have"),
     service(
         "a matrix with a wrong path, no value or twice the same run",
         InvalidDocument,
@@ -116,8 +116,17 @@ pub const REFUSED: &[RefusedCase] = &[
     service("an unknown job", JobNotFound),
     service("an unknown run", RunNotFound),
     service("an unknown arena", ArenaNotFound),
+    service("a recording that is not there", RecordingNotFound),
     service("an unknown route", RouteNotFound),
     service("a method that a route does not have", MethodNotAllowed),
+    service(
+        "deleting the recording of a run that is to record more",
+        RecordingBeingMade,
+    ),
+    service(
+        "more than 100 recordings of a run, or 64 that wait",
+        RecordingsFull,
+    ),
     service("the result of an unfinished run", NoResult),
     service(
         "what a robot has learnt by a method that learns nothing",

@@ -1,6 +1,5 @@
 //! One block of samples as bytes: a head of fixed size with a checksum, then planes.
 
-use crate::SENSORS;
 use crate::columns::{
     Expect, command_planes, halves, object_planes, pose_planes, read_commands, read_objects,
     read_poses, read_sensors, sensor_plane, whole,
@@ -11,6 +10,7 @@ use crate::layout::Layout;
 use crate::planes::{Numbers, Packer, put_signed, take};
 use crate::predict::Directions;
 use crate::samples::Samples;
+use crate::units::SENSORS;
 
 const MAGIC: [u8; 4] = *b"EVRB";
 /// Bytes of a block's head.

@@ -3,13 +3,13 @@
 
 use std::collections::HashMap;
 
-use crate::SENSORS;
 use crate::error::RecordingError;
 use crate::header::Header;
 use crate::layout::Layout;
 use crate::planes::{Numbers, put_signed};
 use crate::predict::{Directions, Reckoning};
 use crate::samples::Samples;
+use crate::units::SENSORS;
 
 /// Most different commands that are listed: what occurs is then two bytes at most.
 const MOST_LISTED: usize = 4_096;

@@ -19,6 +19,7 @@ mod reader;
 mod samples;
 #[cfg(test)]
 mod tests;
+mod units;
 
 pub use error::RecordingError;
 pub use file::Writer;
@@ -28,11 +29,4 @@ pub use raw::Raw;
 pub use reader::Reader;
 pub use samples::{Decision, Samples};
 
-/// Ticks of a length: 0.1 mm.
-pub const TICKS_PER_M: f64 = 10_000.0;
-/// Ticks of a heading: 1 mrad.
-pub const TICKS_PER_RAD: f64 = 1_000.0;
-/// Ticks of a wheel command, as the robots' motors have them.
-pub const TICKS_PER_COMMAND: f64 = 1_000.0;
-/// Proximity sensors of a robot.
-pub const SENSORS: usize = 8;
+pub use units::{SENSORS, TICKS_PER_COMMAND, TICKS_PER_M, TICKS_PER_RAD};

@@ -4,7 +4,7 @@
 use std::sync::LazyLock;
 
 use crate::header::DriveModel;
-use crate::{TICKS_PER_COMMAND, TICKS_PER_M, TICKS_PER_RAD};
+use crate::units::{TICKS_PER_COMMAND, TICKS_PER_M, TICKS_PER_RAD};
 
 /// Half a turn, and a whole one, in ticks.
 const HALF_TURN: f64 = std::f64::consts::PI * TICKS_PER_RAD;

@@ -1,7 +1,7 @@
 //! Samples of one block as they are taken: numbers as the simulation has them, moment by moment.
 
-use crate::SENSORS;
 use crate::header::Fields;
+use crate::units::SENSORS;
 
 /// Room for the samples of a block, taken once and used again.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -2,7 +2,7 @@
 
 use crate::header::Fields;
 use crate::raw::Raw;
-use crate::{SENSORS, TICKS_PER_COMMAND, TICKS_PER_M, TICKS_PER_RAD};
+use crate::units::{SENSORS, TICKS_PER_COMMAND, TICKS_PER_M, TICKS_PER_RAD};
 
 /// Samples of a block. What belongs to a robot lies together, in the order of time; a column that is
 /// not recorded is empty.

@@ -207,6 +207,8 @@ fn finish(
         workers,
         run_memory_bytes: default_run_memory_bytes(workers),
         unfinished_limit: u64::MAX,
+        keep_every_epochs: None,
+        recordings_bytes: crate::scheduler::RECORDINGS_BYTES,
         channels: ChannelSettings::default(),
     };
     let scheduler = Scheduler::start(Arc::clone(store), config)?;

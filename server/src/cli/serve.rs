@@ -2,6 +2,7 @@
 //! else they have their defaults.
 
 use std::net::SocketAddr;
+use std::num::NonZeroU32;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -53,6 +54,13 @@ pub struct ServeArguments {
     /// 0 keeps none.
     #[arg(long, env = "EVSWARM_FINAL_STATE_BYTES", default_value_t = DEFAULT_FINAL_BYTES)]
     final_state_bytes: u64,
+    /// Most bytes of all recordings together: the oldest go to make room.
+    #[arg(long, env = "EVSWARM_RECORDINGS_BYTES", value_name = "BYTES", default_value_t = crate::scheduler::RECORDINGS_BYTES, value_parser = clap::value_parser!(u64).range(1_000_000..))]
+    recordings_bytes: u64,
+    /// Keep a checkpoint of each run after every so many epochs of an arena, at most 16 a run, so
+    /// that a recording made later begins near [default: none].
+    #[arg(long, env = "EVSWARM_KEEP_CHECKPOINTS_EVERY", value_name = "EPOCHS")]
+    keep_checkpoints_every: Option<NonZeroU32>,
 }
 
 /// Serves until it is stopped.
@@ -68,6 +76,8 @@ pub fn serve(arguments: ServeArguments) -> Result<(), Failure> {
         keep_days,
         keep_bytes,
         final_state_bytes,
+        recordings_bytes,
+        keep_checkpoints_every,
     } = arguments;
     crate::http::serve(ServeOptions {
         listen,
@@ -82,6 +92,8 @@ pub fn serve(arguments: ServeArguments) -> Result<(), Failure> {
             bytes: keep_bytes,
         },
         final_state_bytes,
+        recordings_bytes,
+        keep_every_epochs: keep_checkpoints_every,
     })?;
     Ok(())
 }

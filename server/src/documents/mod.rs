@@ -39,7 +39,9 @@ pub use listing::controllers;
 pub(crate) use matrix::indices_at;
 pub use one_number::one_number;
 pub use parse::parse;
-pub use record::{MOST_RECORDING_BYTES, RecordRequest, RobotChoice, Stretch, names_of};
+pub use record::{
+    MOST_RECORDING_BYTES, RecordRequest, RobotChoice, Stretch, asked as asked_recording, names_of,
+};
 pub use resolve::resolve;
 pub use resolved::ResolvedRun;
 pub use template_list::templates;

@@ -70,6 +70,19 @@ impl Stretch {
     }
 }
 
+impl Stretch {
+    /// What of it is at or after an epoch.
+    #[must_use]
+    pub fn starting_at(self, epoch: u64) -> Self {
+        let end = self.from_epoch + self.epochs;
+        let from_epoch = self.from_epoch.max(epoch).min(end);
+        Self {
+            from_epoch,
+            epochs: end - from_epoch,
+        }
+    }
+}
+
 impl RobotChoice {
     /// Of so many robots.
     pub fn of(&self, robots: u32) -> Chosen {
@@ -193,7 +206,7 @@ pub fn record(value: &Value, robots: u32, errors: &mut Errors) -> Option<RecordR
 }
 
 /// Reads what is recorded every so many steps, of a run with so many robots.
-pub(super) fn request(
+fn request(
     object: &Object<'_>,
     every_steps: u32,
     robots: u32,
@@ -206,6 +219,47 @@ pub(super) fn request(
         robots: robots?,
         fields: fields?,
     })
+}
+
+/// What is asked for afterwards of a run, which has epochs from `first` on.
+///
+/// # Errors
+/// Every wrong field.
+pub fn asked(
+    value: &Value,
+    spec: &ValidSpec,
+    first: u64,
+) -> Result<(RecordRequest, Stretch), Vec<FieldError>> {
+    let mut errors = Errors::default();
+    let known = ["from_epoch", "epochs", "every_steps", "robots", "fields"];
+    let Some(object) = Object::open(value, "", known, &mut errors) else {
+        return Err(errors.into_vec());
+    };
+    let all = Stretch::whole(spec).epochs;
+    let first = first.min(all - 1);
+    let whole = |name, min, max, default| Whole {
+        name,
+        min,
+        max,
+        default,
+    };
+    let field = whole("from_epoch", first, all - 1, first);
+    let from_epoch = object.whole(&field, &mut errors);
+    let left = all - from_epoch;
+    let epochs = object.whole(&whole("epochs", 1, left, left), &mut errors);
+    let field = whole("every_steps", 1, u64::from(u32::MAX), 1);
+    let every_steps = object.whole(&field, &mut errors) as u32;
+    let request = request(&object, every_steps, spec.robots, &mut errors);
+    match request {
+        Some(request) if errors.is_empty() => {
+            request.check_size(spec, epochs).map_err(|mut error| {
+                error.pointer = String::new();
+                vec![error]
+            })?;
+            Ok((request, Stretch { from_epoch, epochs }))
+        }
+        _ => Err(errors.into_vec()),
+    }
 }
 
 fn chosen(object: &Object<'_>, robots: u32, errors: &mut Errors) -> Option<RobotChoice> {

@@ -294,9 +294,34 @@ fn wrong_specs_are_refused_where_they_are_wrong() {
         "did you mean \"none\"?",
     );
     check(
-        json!({ "record": { "every_steps": 10 } }),
-        "/record/every_steps",
-        "not supported yet",
+        json!({ "record": { "every_steps": 10, "robots": 2 } }),
+        "/record/robots",
+        "2 is not from 1 to 1",
+    );
+    check(
+        json!({ "robots": 3, "record": { "every_steps": 10, "robots": [0, 2, 0] } }),
+        "/record/robots",
+        "robot 0 is listed twice",
+    );
+    check(
+        json!({ "record": { "every_steps": 1, "robots": [] } }),
+        "/record/robots",
+        "no robot is listed",
+    );
+    check(
+        json!({ "record": { "every_steps": 1, "fields": [] } }),
+        "/record/fields",
+        "the list is empty",
+    );
+    check(
+        json!({ "record": { "fields": ["pose"] } }),
+        "/record/fields",
+        "nothing is recorded",
+    );
+    check(
+        json!({ "record": { "every_steps": 1 }, "epochs": 1_000_000 }),
+        "/record",
+        "the recording would take about",
     );
     check(
         json!({ "record": { "every_step": 10 } }),

@@ -10,6 +10,7 @@ use super::metrics::Metrics;
 use super::refusal::Refusal;
 use crate::events::Hub;
 use crate::findings::Assembler;
+use crate::recording::Maker;
 use crate::scheduler::Scheduler;
 use crate::store::{JobKey, JobView, RunView, Store};
 
@@ -22,6 +23,8 @@ pub(super) struct App {
     pub(super) events: Arc<Hub>,
     /// What `/metrics` tells.
     pub(super) metrics: Arc<Metrics>,
+    /// Recordings that are made afterwards.
+    pub(super) recordings: Arc<Maker>,
     /// Places for tables that are being made.
     pub(super) exports: Arc<Semaphore>,
     /// Places for streams of frames.

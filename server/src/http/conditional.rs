@@ -97,7 +97,7 @@ pub fn is_known(asked: &HeaderMap, tag: &HeaderValue) -> bool {
 
 /// The bytes that `Range` asks for: `None` where all are to be sent, `Some(None)` where there are
 /// no such bytes. Several ranges at once are not told apart: all is sent.
-fn wanted(asked: &HeaderMap, tag: &HeaderValue, length: usize) -> Option<Option<Range<usize>>> {
+pub fn wanted(asked: &HeaderMap, tag: &HeaderValue, length: usize) -> Option<Option<Range<usize>>> {
     let range = asked.get(RANGE)?.to_str().ok()?.strip_prefix("bytes=")?;
     if asked.get(IF_RANGE).is_some_and(|known| known != tag) {
         return None;

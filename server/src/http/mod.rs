@@ -4,6 +4,7 @@
 mod access;
 mod app;
 mod arenas;
+mod asked_recordings;
 mod body;
 mod catalog;
 mod checkpoints;
@@ -31,6 +32,7 @@ mod page;
 mod parts;
 mod problems;
 mod query;
+mod recordings;
 mod refusal;
 mod request;
 mod request_id;

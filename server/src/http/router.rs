@@ -11,8 +11,9 @@ use tokio::sync::Semaphore;
 
 use crate::events::Hub;
 use crate::findings::Assembler;
+use crate::recording::{Maker, Settings};
 use crate::scheduler::Scheduler;
-use crate::store::Store;
+use crate::store::{RunView, Store};
 
 use super::access::Tokens;
 use super::app::App;
@@ -21,9 +22,9 @@ use super::metrics::Metrics;
 use super::refusal::Refusal;
 use super::routes::Routes;
 use super::{
-    arenas, catalog, checkpoints, checks, comparison, compression, conditional, contract, control,
-    events, exports, files, health, job_findings, jobs, openapi, page, problems, runs, scrape,
-    watching, workers,
+    arenas, asked_recordings, catalog, checkpoints, checks, comparison, compression, conditional,
+    contract, control, events, exports, files, health, job_findings, jobs, openapi, page, problems,
+    recordings, runs, scrape, watching, workers,
 };
 
 /// Every route, and what each does.
@@ -39,6 +40,8 @@ pub fn routes() -> Routes {
         .merge(events::routes())
         .merge(files::routes())
         .merge(watching::routes())
+        .merge(recordings::routes())
+        .merge(asked_recordings::routes())
         .merge(arenas::routes())
         .merge(checks::routes())
         .merge(catalog::routes())
@@ -52,12 +55,26 @@ pub fn routes() -> Routes {
         .below("/v1", v1)
 }
 
+/// Who makes recordings afterwards.
+fn recordings(store: &Arc<Store>, scheduler: &Arc<Scheduler>, findings: &Arc<Assembler>) -> Maker {
+    let config = scheduler.config();
+    let settings = Settings {
+        most_bytes: config.recordings_bytes,
+        run_memory_bytes: config.run_memory_bytes,
+    };
+    let findings = Arc::clone(findings);
+    let spec_of = move |run: &RunView| findings.resolved(run).map_err(|error| error.to_string());
+    Maker::start(Arc::clone(store), Box::new(spec_of), settings)
+}
+
 /// The service: every route, behind the gate.
 pub fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, tokens: Tokens) -> Router {
     let (described, router) = routes().into_parts();
     let metrics = Arc::new(Metrics::new(scheduler.counters()));
+    let findings = Arc::new(Assembler::new(Arc::clone(&store), Arc::clone(&scheduler)));
     let app = App {
-        findings: Arc::new(Assembler::new(Arc::clone(&store), Arc::clone(&scheduler))),
+        recordings: Arc::new(recordings(&store, &scheduler, &findings)),
+        findings,
         events: Hub::start(Arc::clone(&store), Arc::clone(&scheduler)),
         exports: exports::places(),
         viewers: Arc::new(Semaphore::new(watching::MAX_VIEWERS)),

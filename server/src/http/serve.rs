@@ -2,7 +2,7 @@
 
 use std::io::{Read, Write};
 use std::net::SocketAddr;
-use std::num::NonZeroUsize;
+use std::num::{NonZeroU32, NonZeroUsize};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -39,6 +39,10 @@ pub struct ServeOptions {
     /// Most bytes that a run may hold; three quarters of the machine's memory over the threads when
     /// not given.
     pub run_memory_bytes: Option<u64>,
+    /// Epochs of an arena after which a checkpoint of each run is kept for later recordings.
+    pub keep_every_epochs: Option<NonZeroU32>,
+    /// Most bytes of all recordings together.
+    pub recordings_bytes: u64,
     /// A token that allows everything. This or a file of them is needed to listen beyond loopback.
     pub token: Option<String>,
     /// A file of tokens, as `evswarm token` makes its lines.
@@ -82,6 +86,8 @@ pub fn serve(options: ServeOptions) -> anyhow::Result<()> {
             run_memory_bytes: options
                 .run_memory_bytes
                 .unwrap_or_else(|| default_run_memory_bytes(workers)),
+            keep_every_epochs: options.keep_every_epochs,
+            recordings_bytes: options.recordings_bytes,
             channels: ChannelSettings::default(),
         };
         let scheduler = Arc::new(Scheduler::start(Arc::clone(&store), config)?);

@@ -1,17 +1,29 @@
 //! Recordings of runs: taken while a run is stepped, live or later from its beginning again, and
 //! read back in slices and in other formats. The format itself is the crate `recording`.
 
+mod kept;
+mod maker;
 mod open;
+mod origin;
 mod paths;
 mod recorder;
+mod room;
+mod rows;
 mod sink;
+mod slice;
 mod start;
 mod subject;
 #[cfg(test)]
 mod tests;
+mod wish;
 
+pub use kept::Keeper;
+pub use maker::{AskError, Maker, Settings};
 pub use open::OpenError;
+pub use origin::{begin_at_origin, first_whole_epoch};
 pub use paths::{Paths, Stage};
 pub use recorder::{Recorder, SharedRecorder, Tail};
+pub use rows::write_rows;
+pub use slice::{SliceError, SliceQuery, epoch_of, head, slice, step_of};
 pub use start::{Begun, begin, finish};
 pub use subject::header;

@@ -13,7 +13,9 @@ use super::live::{LiveRun, Views, findings_of};
 use crate::artifacts::{run_result, thread_cpu_s};
 use crate::channels::{AskError, Extent, External, FramePublisher};
 use crate::documents::{ResolvedRun, Stretch, parse, resolve};
-use crate::recording::{Begun, SharedRecorder, Tail, begin, finish, header};
+use crate::recording::{
+    Begun, Keeper, SharedRecorder, Tail, begin, begin_at_origin, finish, first_whole_epoch, header,
+};
 use crate::runner::{self, Checkpoints, MemoryBound, PauseAt, Pilot, Stop, Waits};
 use crate::store::{Checkpoint, ClaimedRun, Finished, Position, Store};
 use crate::watching::Watched;
@@ -76,6 +78,10 @@ pub fn attempt(
     });
     let mut watched = Watched::new(&live.window, run.robots().len());
     let mut recording = recorder.clone();
+    let mut keeper = config.keep_every_epochs.map(|every| {
+        let directory = store.recordings().of(&claimed.id);
+        Keeper::new(directory, every, run.spec().steps_per_epoch)
+    });
     let mut memory = MemoryBound::new(config.run_memory_bytes);
     let mut steps = CountedSteps::new(counters, done_before);
     let mut pause = claimed.pause_at_step.map(PauseAt);
@@ -92,6 +98,7 @@ pub fn attempt(
             &mut checkpoints,
             &mut pause,
             &mut recording,
+            &mut keeper,
         ],
     );
     drop(checkpoints);
@@ -266,7 +273,7 @@ fn recorded(
     if claimed.has_origin {
         let origin = begin_at_origin(store, id, resolved)?;
         let first = origin.map_or(0, |origin| first_whole_epoch(&origin));
-        stretch = stretch.from(first);
+        stretch = stretch.starting_at(first);
     }
     if let Err(error) = store.recordings().make(id) {
         tracing::warn!(run = id, %error, "the run goes on without a recording");

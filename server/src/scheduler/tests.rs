@@ -23,6 +23,8 @@ pub fn start(dir: &Path, workers: usize) -> (Arc<Store>, Scheduler) {
         workers: NonZeroUsize::new(workers).unwrap(),
         unfinished_limit: 100,
         run_memory_bytes: 64 << 20,
+        keep_every_epochs: None,
+        recordings_bytes: crate::scheduler::RECORDINGS_BYTES,
         channels: ChannelSettings::default(),
     };
     let scheduler = Scheduler::start(Arc::clone(&store), config).unwrap();

@@ -232,6 +232,11 @@ impl Scheduler {
         state.live.iter().map(busy).collect()
     }
 
+    /// How it works.
+    pub fn config(&self) -> &SchedulerConfig {
+        &self.shared.config
+    }
+
     /// The channels' settings.
     pub fn channels(&self) -> &ChannelSettings {
         &self.shared.config.channels

@@ -44,9 +44,15 @@ impl Recordings {
         Paths::new(&self.of(run), LIVE)
     }
 
-    /// One that was asked for afterwards.
-    pub fn numbered(&self, run: &str, number: u64) -> Paths {
-        Paths::new(&self.of(run), &number.to_string())
+    /// The runs that have folders.
+    pub fn runs(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(&self.dir).into_iter().flatten().flatten();
+        let mut runs: Vec<String> = entries
+            .filter(|entry| entry.path().is_dir())
+            .filter_map(|entry| entry.file_name().into_string().ok())
+            .collect();
+        runs.sort_unstable();
+        runs
     }
 
     /// The folder of all.

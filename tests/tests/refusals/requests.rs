@@ -141,9 +141,37 @@ fn what_contradicts_the_state_of_things_is_refused() {
     step(0).refused("a control that is not one whole number in its range");
     let ask = |path: String| server.send("POST", &path, &[], b"");
     let job_path = format!("/v1/jobs/{}", running.id);
+    let recordings = format!("/v1/runs/{run}/recordings");
+    server
+        .get(&format!("{recordings}/live"))
+        .refused("a recording that is not there");
+    let ask_from = |from_epoch: u32| {
+        let asked = json!({ "from_epoch": from_epoch, "epochs": 1 });
+        server.post(&recordings, &asked)
+    };
+    let refused = (0..200).map(ask_from).find(|answer| answer.status != 201);
+    refused
+        .unwrap()
+        .refused("more than 100 recordings of a run, or 64 that wait");
     assert_eq!(ask(format!("{job_path}/pause")).status, 200);
     ask(format!("/v1/runs/{run}/resume")).refused("resuming a run whose job is paused");
     assert_eq!(ask(format!("{job_path}/resume")).status, 200);
+    let mut recorded = small_spec();
+    recorded["epochs"] = json!(1_000_000);
+    recorded["record"] = json!({ "every_steps": 200, "fields": ["pose"] });
+    let recording = server.submit(&job(recorded, 1));
+    let live = format!(
+        "/v1/runs/{}/recordings/live",
+        server.only_run(&recording).id
+    );
+    wait::until("a recording", || {
+        (server.get(&live).status == 200).then_some(())
+    });
+    server
+        .send("DELETE", &live, &[], b"")
+        .refused("deleting the recording of a run that is to record more");
+    // It would keep a worker.
+    assert_eq!(ask(format!("/v1/jobs/{}/cancel", recording.id)).status, 200);
     let long_chapter = json!({
         "base": { "epochs": 1_000_000, "arena": "easy" },
         "matrix": { "controller.method": server.chapter_5_methods() }

@@ -23,7 +23,8 @@ pub fn wrong_specs() -> Vec<Wrong> {
     let range = "a number out of range or a value of the wrong kind";
     let name = "an unknown arena, method, preset, engine or placement";
     let arena = "an arena with a wall outside it or a start inside a wall";
-    let later = "recording (not built yet)";
+    let recording =
+        "recording robots or fields that are not there, or more bytes than a recording may have";
     let budget = "a memory budget too small for any plan (the smallest that works is told)";
     let sharing = "sharing what a method does not have, or by a radio that cannot be";
     let tiles = "more tiles of an arena than fit, a wrong scale or doorway";
@@ -294,11 +295,18 @@ pub fn wrong_specs() -> Vec<Wrong> {
             "not a whole number",
         ),
         (
-            later,
+            recording,
             "/record",
-            json!({ "every_steps": 5 }),
-            "/record/every_steps",
-            "not supported",
+            json!({ "every_steps": 5, "robots": [0, 7] }),
+            "/record/robots/1",
+            "not the number of a robot",
+        ),
+        (
+            recording,
+            "/record",
+            json!({ "every_steps": 5, "fields": ["pose", "sensor"] }),
+            "/record/fields/1",
+            "\"sensors\"?",
         ),
     ]
 }

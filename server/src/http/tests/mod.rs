@@ -71,6 +71,8 @@ impl Service {
             workers: NonZeroUsize::MIN,
             unfinished_limit: 10,
             run_memory_bytes: 1 << 30,
+            keep_every_epochs: None,
+            recordings_bytes: crate::scheduler::RECORDINGS_BYTES,
             channels: ChannelSettings::default(),
         };
         let scheduler = Arc::new(Scheduler::start(Arc::clone(&store), config).unwrap());
