@@ -16,8 +16,7 @@ use crate::documents::listing::shown_value;
 use crate::documents::placement::{ANYWHERE, KIND, KIND_ALONE};
 use crate::documents::record::{EVERY_STEPS, field_names};
 use crate::documents::resolve::{
-    CHANNELS, DEFAULT_ARENA, ENGINE, EPISODES, EPOCHS, ROBOTS, SEED, STEPS_PER_EPOCH,
-    VERSION,
+    CHANNELS, DEFAULT_ARENA, ENGINE, EPISODES, EPOCHS, ROBOTS, SEED, STEPS_PER_EPOCH, VERSION,
 };
 use crate::documents::start::{MOST_M, MOST_RAD};
 
