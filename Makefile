@@ -91,7 +91,7 @@ lint: deny circles
 
 # Files of a crate that import each other in a circle.
 circles:
-	$(CARGO) run --release --quiet -p tests --bin import_circles -- arenas swarm api server loadtests tests
+	$(CARGO) run --release --quiet -p tests --bin import_circles -- arenas swarm api server recording loadtests tests
 
 # Licences, duplicate bans and sources of all dependencies. Advisories are left out: they need a
 # database from the network, and would let a build fail without any change to it.

@@ -1,5 +1,6 @@
 //! Jobs of all kinds, how one is brought to its end, and what its runs came to.
 
+use std::collections::BTreeMap;
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};
 use std::time::{Duration, Instant};
@@ -7,8 +8,10 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, ensure};
 use serde_json::{Value, json};
 
-use super::Findings;
 use crate::client::Client;
+
+/// Digests of what runs came to, by id.
+pub type Findings = BTreeMap<String, String>;
 
 /// How many kinds of runs there are.
 pub const KINDS: usize = 8;

@@ -3,36 +3,18 @@
 
 mod jobs;
 mod ledger;
+mod options;
 mod rounds;
 
-use std::collections::BTreeMap;
 use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
 
 use crate::client::Client;
 use crate::server::Server;
+use jobs::Findings;
 use ledger::Ledger;
-
-/// Kills of the service, on this machine alone.
-#[derive(Clone, Debug, clap::Args)]
-pub struct Options {
-    /// Kills at random moments.
-    #[arg(long, default_value_t = 200)]
-    kills: u64,
-    /// Kills at named places: claims, checkpoints, results, posts, changes of jobs, migrations.
-    #[arg(long, default_value_t = 100)]
-    at_places: u64,
-    /// Threads that step runs.
-    #[arg(long, default_value_t = 2)]
-    threads: usize,
-    /// Decides what is done, and when the service is killed.
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
-}
-
-/// Digests of what runs came to, by id.
-type Findings = BTreeMap<String, String>;
+pub use options::Options;
 
 /// Kills, brings all to an end and compares.
 pub fn run(options: &Options) -> Result<()> {

@@ -7,8 +7,9 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, ensure};
 use fastrand::Rng;
 
+use super::jobs;
 use super::ledger::Ledger;
-use super::{Options, jobs};
+use super::options::Options;
 use crate::client::Client;
 use crate::server::Server;
 

@@ -5,10 +5,9 @@ use std::time::Duration;
 
 use api::Job;
 use api::events::{Event, StateChange};
-use tokio::sync::{OwnedSemaphorePermit, watch};
 use tokio::time::Instant;
 
-use super::hub::Hub;
+use super::hub::{Hub, Place, TooManyListeners};
 use crate::artifacts::metrics_json;
 use crate::findings::views;
 use crate::scheduler::View;
@@ -29,9 +28,8 @@ pub struct Told {
 /// A listener. Its place is free again when it is dropped.
 pub struct Feed {
     state: Option<State>,
-    newest: watch::Receiver<u64>,
+    place: Place,
     looked: Option<Instant>,
-    _place: OwnedSemaphorePermit,
 }
 
 /// What a look needs and changes.
@@ -47,17 +45,20 @@ struct State {
 }
 
 impl Feed {
-    pub(super) fn new(
-        hub: Arc<Hub>,
+    /// A listener. One that comes back says the number of the last change that it heard.
+    ///
+    /// # Errors
+    /// When there are too many.
+    pub fn open(
+        hub: &Arc<Hub>,
         subject: Subject,
         heard: Option<u64>,
-        mut newest: watch::Receiver<u64>,
-        place: OwnedSemaphorePermit,
-    ) -> Self {
-        newest.mark_changed();
-        Self {
+    ) -> Result<Self, TooManyListeners> {
+        let mut place = hub.place()?;
+        place.newest.mark_changed();
+        Ok(Self {
             state: Some(State {
-                hub,
+                hub: Arc::clone(hub),
                 subject,
                 after: heard,
                 job: None,
@@ -65,10 +66,9 @@ impl Feed {
                 epochs: 0,
                 metrics_steps: 0,
             }),
-            newest,
+            place,
             looked: None,
-            _place: place,
-        }
+        })
     }
 
     /// Waits for something new. `None` when the job or run is gone, or cannot be read.
@@ -76,14 +76,14 @@ impl Feed {
         loop {
             if let Some(looked) = self.looked {
                 tokio::select! {
-                    changed = self.newest.changed() => changed.ok()?,
+                    changed = self.place.newest.changed() => changed.ok()?,
                     () = tokio::time::sleep_until(looked + PROGRESS_EVERY) => {}
                 }
             }
             if self.state.as_ref()?.hub.scheduler.is_stopping() {
                 return None;
             }
-            let newest = *self.newest.borrow_and_update();
+            let newest = *self.place.newest.borrow_and_update();
             self.looked = Some(Instant::now());
             let mut state = self.state.take()?;
             let look =

@@ -8,10 +8,9 @@ use std::time::{Duration, Instant};
 use api::Job;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, watch};
 
-use super::feed::Feed;
 use crate::findings::views;
 use crate::scheduler::Scheduler;
-use crate::store::{JobKey, Store, StoreError, Subject};
+use crate::store::{JobKey, Store, StoreError};
 
 /// Most listeners at once.
 pub const MAX_LISTENERS: usize = 512;
@@ -26,6 +25,13 @@ const MAX_JOBS_KEPT: usize = 1_024;
 #[derive(Clone, Copy, Debug, thiserror::Error)]
 #[error("{MAX_LISTENERS} listeners to events are there already, and no more may be")]
 pub struct TooManyListeners;
+
+/// A listener's place; free again when it is dropped.
+pub(super) struct Place {
+    /// Number of the newest change.
+    pub newest: watch::Receiver<u64>,
+    _held: OwnedSemaphorePermit,
+}
 
 /// What listeners have in common.
 pub struct Hub {
@@ -56,20 +62,19 @@ impl Hub {
         hub
     }
 
-    /// A listener. One that comes back says the number of the last change that it heard.
+    /// A place for a listener, and the number of the newest change from now on.
     ///
     /// # Errors
     /// When there are too many.
-    pub fn listen(
-        self: &Arc<Self>,
-        subject: Subject,
-        heard: Option<u64>,
-    ) -> Result<Feed, TooManyListeners> {
-        let place: OwnedSemaphorePermit = Arc::clone(&self.places)
+    pub(super) fn place(&self) -> Result<Place, TooManyListeners> {
+        let held = Arc::clone(&self.places)
             .try_acquire_owned()
             .map_err(|_| TooManyListeners)?;
         let newest = self.newest.subscribe();
-        Ok(Feed::new(Arc::clone(self), subject, heard, newest, place))
+        Ok(Place {
+            newest,
+            _held: held,
+        })
     }
 
     /// The job as it is, or was a moment ago; `None` when it is gone.

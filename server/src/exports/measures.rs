@@ -5,7 +5,7 @@ use api::RunResult;
 use swarm::metrics::{METRICS, Metric, Shown, Source};
 
 use super::over_time::{metric_cell, metric_kind};
-use crate::tables::{Cell, Column, Kind};
+use crate::tables::{Cell, Column, Kind, real};
 
 /// A column with where its value comes from.
 type Measure = (&'static str, Kind, fn(&RunResult) -> Cell);
@@ -55,7 +55,7 @@ const AFTER_METRICS: &[Measure] = &[
         found.clusters.sensori_motor.into()
     }),
     ("model.divergence_nats", Kind::Real, |found| {
-        super::real(found.model.map(|model| model.divergence_nats))
+        real(found.model.map(|model| model.divergence_nats))
     }),
     ("model.pairs", Kind::Whole, |found| {
         found.model.map(|model| model.pairs).into()
@@ -104,7 +104,7 @@ pub fn cells(result: Option<&RunResult>, cost: Option<f64>) -> Vec<Cell> {
     let mut cells: Vec<Cell> = BEFORE_METRICS.iter().map(measure).collect();
     cells.extend(metrics().map(metric));
     cells.extend(AFTER_METRICS.iter().map(measure));
-    cells.push(super::real(cost));
+    cells.push(real(cost));
     cells
 }
 

@@ -10,7 +10,7 @@ mod spec;
 use std::io::{self, Write};
 
 use crate::store::{JobView, RunView, Store, StoreError};
-use crate::tables::{Cell, Column, Form};
+use crate::tables::{Column, Form};
 
 pub use over_time::metrics_of_run;
 
@@ -153,11 +153,6 @@ fn finished(store: &Store, run: &RunView) -> Result<Option<crate::store::Finding
         Some(_) => store.findings(run.seq),
         None => Ok(None),
     }
-}
-
-/// The cell of an optional number.
-fn real(value: Option<f64>) -> Cell {
-    value.filter(|value| value.is_finite()).into()
 }
 
 #[cfg(test)]

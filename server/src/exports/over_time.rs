@@ -5,7 +5,7 @@ use std::io;
 use swarm::metrics::{METRICS, Metric, Shown, Source, Value};
 use swarm::run::{CurveRow, MetricsLog, MetricsRow};
 
-use crate::tables::{Cell, Column, Form, Kind};
+use crate::tables::{Cell, Column, Form, Kind, real};
 
 pub fn curve_columns() -> impl Iterator<Item = Column> {
     let names = ["epoch", "p1", "p2", "p5", "p10"].into_iter();
@@ -46,7 +46,7 @@ pub fn metrics_cells(row: &MetricsRow, reachable: u32, step_s: Option<f64>) -> V
     };
     let mut cells = vec![
         row.steps.into(),
-        super::real(step_s.map(|step_s| row.steps as f64 * step_s)),
+        real(step_s.map(|step_s| row.steps as f64 * step_s)),
         row.epoch.into(),
     ];
     cells.extend(row.entered.map(|entered| Cell::Real(share(entered))));

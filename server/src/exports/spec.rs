@@ -8,7 +8,7 @@ use swarm::parameters::{Domain, Parameter};
 use swarm::robot::RobotParameters;
 use swarm::spec::{ControllerParameters, Method};
 
-use crate::tables::{Cell, Column, Kind};
+use crate::tables::{Cell, Column, Kind, real};
 
 /// The fields that are no parameters. `seed`, `arena` and the method stand among the first columns.
 const FIELDS: &[(&str, Kind)] = &[
@@ -85,7 +85,7 @@ fn cell(spec: &Value, column: &Column) -> Cell {
     match column.kind {
         Kind::Text => named(value).into(),
         Kind::Whole => value.as_u64().into(),
-        Kind::Real => super::real(value.as_f64()),
+        Kind::Real => real(value.as_f64()),
         Kind::Truth => value.as_bool().into(),
     }
 }

@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 use swarm::spec::Method;
 
 use super::*;
+use crate::tables::Cell;
 use crate::documents::{BuiltinArenas, resolve};
 
 /// Dotted paths of the values in a document; lists are left out.

@@ -88,7 +88,7 @@ fn listen(app: &App, subject: Subject, headers: &HeaderMap) -> Result<Response, 
                 })?,
         ),
     };
-    let feed = app.events.listen(subject, heard).map_err(|error| {
+    let feed = Feed::open(&app.events, subject, heard).map_err(|error| {
         Refusal::new(ProblemCode::TooManyListeners, error.to_string()).retry_after_s(5)
     })?;
     let life = tokio::time::sleep(LIFE);

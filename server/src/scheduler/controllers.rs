@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-use super::Shared;
-use super::attempt::stored_spec;
+use super::arenas::StoredArenas;
+use super::config::SchedulerConfig;
 use crate::channels::Lookout;
-use crate::store::{RunKey, StoppedRun, StoreError};
+use crate::documents::{parse, resolve};
+use crate::store::{JobKey, RunKey, StoppedRun, Store, StoreError};
 
 /// Time between two looks.
 const LOOK_EVERY: Duration = Duration::from_millis(300);
@@ -26,12 +27,24 @@ struct Tried {
     next_after: Duration,
 }
 
+/// What it does for the scheduler, which ends it.
+pub trait Workers {
+    /// The runs.
+    fn store(&self) -> &Store;
+    /// Where they meet their controllers.
+    fn config(&self) -> &SchedulerConfig;
+    /// Waits, and returns whether the workers are to end.
+    fn rest(&self, time: Duration) -> bool;
+    /// A run of a job waits for a worker.
+    fn queue(&self, job: JobKey, run: RunKey);
+}
+
 /// Until the scheduler ends.
-pub fn look_out(shared: &Shared) {
+pub fn look_out(workers: &impl Workers) {
     let mut lookout = None;
     let mut tried: BTreeMap<RunKey, Tried> = BTreeMap::new();
-    while !shared.pause(LOOK_EVERY) {
-        let waiting = match shared.store.await_controllers(MOST) {
+    while !workers.rest(LOOK_EVERY) {
+        let waiting = match workers.store().await_controllers(MOST) {
             Ok(waiting) => waiting,
             Err(error) => {
                 tracing::debug!(%error, "no look for controllers");
@@ -43,7 +56,7 @@ pub fn look_out(shared: &Shared) {
             lookout = None;
             continue;
         }
-        let root = &shared.config.channels.root;
+        let root = &workers.config().channels.root;
         let lookout = match &mut lookout {
             Some(lookout) => lookout,
             none => match Lookout::open(root) {
@@ -57,7 +70,7 @@ pub fn look_out(shared: &Shared) {
         for run in waiting {
             let next_after = tried.get(&run.seq).map_or(FIRST, |tried| tried.next_after);
             let is_early = (tried.get(&run.seq)).is_some_and(|it| it.at.elapsed() < it.next_after);
-            if is_early || !are_there(shared, lookout, &run) {
+            if is_early || !are_there(workers.store(), lookout, &run) {
                 continue;
             }
             let now = Tried {
@@ -65,38 +78,33 @@ pub fn look_out(shared: &Shared) {
                 next_after: (next_after * 2).min(LONGEST),
             };
             tried.insert(run.seq, now);
-            if let Err(error) = go_on(shared, run.seq) {
+            if let Err(error) = go_on(workers, run.seq) {
                 tracing::warn!(run = run.id, %error, "the run cannot go on yet");
             }
         }
     }
 }
 
-fn go_on(shared: &Shared, run: RunKey) -> Result<(), StoreError> {
-    if !shared
-        .store
-        .release(run, None, "its controllers are there")?
-    {
-        return Ok(());
+fn go_on(workers: &impl Workers, run: RunKey) -> Result<(), StoreError> {
+    let store = workers.store();
+    if store.release(run, None, "its controllers are there")? {
+        for job in store.jobs_of(run)? {
+            workers.queue(job, run);
+        }
     }
-    for job in shared.store.jobs_of(run)? {
-        shared.state().queue.push(job, run);
-    }
-    shared.changed.notify_all();
     Ok(())
 }
 
-fn are_there(shared: &Shared, lookout: &Lookout, run: &StoppedRun) -> bool {
-    let controllers = shared
-        .store
-        .spec(run.seq)
-        .ok()
-        .flatten()
-        .and_then(|text| stored_spec(&shared.store, &text).ok())
-        .map(|spec| swarm::methods::ExternalParameters::of(&spec.run_spec()).controllers);
-    controllers.is_some_and(|controllers| {
+fn are_there(store: &Store, lookout: &Lookout, run: &StoppedRun) -> bool {
+    let spec = store.spec(run.seq).ok().flatten();
+    let resolved = spec.and_then(|text| {
+        let document = parse(&text).ok()?;
+        resolve(&document, &StoredArenas::new(store)).ok()
+    });
+    resolved.is_some_and(|spec| {
+        let parameters = swarm::methods::ExternalParameters::of(&spec.run_spec());
         lookout
-            .all_there(&run.id, controllers as usize)
+            .all_there(&run.id, parameters.controllers as usize)
             .unwrap_or(false)
     })
 }

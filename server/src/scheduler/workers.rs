@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use super::attempt::{self, Ended};
 use super::config::SchedulerConfig;
+use super::controllers;
 use super::counters::Counters;
 use super::live::{LiveRun, View};
 use super::queue::FairQueue;
@@ -90,7 +91,7 @@ impl Scheduler {
         let shared = Arc::clone(&scheduler.shared);
         let lookout = std::thread::Builder::new()
             .name("controllers".to_owned())
-            .spawn(move || super::controllers::look_out(&shared))
+            .spawn(move || controllers::look_out(&*shared))
             .map_err(|source| StoreError::Thread { source })?;
         scheduler.workers().push(lookout);
         Ok(scheduler)
@@ -452,6 +453,25 @@ impl Shared {
             .wait_timeout_while(self.state(), time, running)
             .unwrap_or_else(PoisonError::into_inner);
         state.stopping
+    }
+}
+
+impl controllers::Workers for Shared {
+    fn store(&self) -> &Store {
+        &self.store
+    }
+
+    fn config(&self) -> &SchedulerConfig {
+        &self.config
+    }
+
+    fn rest(&self, time: Duration) -> bool {
+        self.pause(time)
+    }
+
+    fn queue(&self, job: JobKey, run: RunKey) {
+        self.state().queue.push(job, run);
+        self.changed.notify_all();
     }
 }
 

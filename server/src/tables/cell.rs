@@ -1,6 +1,7 @@
 //! What a table is made of.
 
 use std::borrow::Cow;
+use std::io;
 
 use bytes::Bytes;
 
@@ -97,4 +98,24 @@ impl From<&str> for Cell {
     fn from(text: &str) -> Self {
         Self::text(text)
     }
+}
+
+/// The cell of a number that may be missing or not finite.
+pub fn real(value: Option<f64>) -> Cell {
+    value.filter(|value| value.is_finite()).into()
+}
+
+/// Where the rows of a table go.
+pub trait Rows {
+    /// Adds a row: a cell a column, of the column's kind or nothing.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    fn add(&mut self, row: &[Cell]) -> io::Result<()>;
+
+    /// Ends the table.
+    ///
+    /// # Errors
+    /// When the rest cannot be written.
+    fn end(self: Box<Self>) -> io::Result<()>;
 }

@@ -2,7 +2,7 @@
 
 use std::io::{self, BufWriter, Write};
 
-use super::{Cell, Column, Rows};
+use super::cell::{Cell, Column, Rows};
 
 /// A table on its way.
 pub struct Csv<W: Write>(BufWriter<W>);

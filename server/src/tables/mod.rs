@@ -7,7 +7,7 @@ mod parquet;
 
 use std::io::{self, Write};
 
-pub use cell::{Cell, Column, Kind};
+pub use cell::{Cell, Column, Kind, Rows, real};
 
 /// How a table is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,21 +16,6 @@ pub enum Form {
     Csv,
     /// Columns in groups of rows, compressed by Snappy.
     Parquet,
-}
-
-/// Where the rows of a table go.
-pub trait Rows {
-    /// Adds a row: a cell a column, of the column's kind or nothing.
-    ///
-    /// # Errors
-    /// When it cannot be written.
-    fn add(&mut self, row: &[Cell]) -> io::Result<()>;
-
-    /// Ends the table.
-    ///
-    /// # Errors
-    /// When the rest cannot be written.
-    fn end(self: Box<Self>) -> io::Result<()>;
 }
 
 impl Form {

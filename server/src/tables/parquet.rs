@@ -10,7 +10,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
-use super::{Cell, Column, Kind, Rows};
+use super::cell::{Cell, Column, Kind, Rows};
 
 /// Most cells of a group of rows: some tens of megabytes with what the writer needs besides.
 const GROUP_CELLS: usize = 1 << 19;
