@@ -124,7 +124,7 @@ fn the_server_can_stand_in_the_environment() {
 fn the_catalogue_needs_no_server() {
     let listed = evswarm(&["controllers", "--json"], "");
     let listing: ControllerListing = serde_json::from_str(&listed.stdout).unwrap();
-    assert_eq!(listing.methods.len(), 11);
+    assert_eq!(listing.methods.len(), 13);
     assert!(
         listing
             .parameters

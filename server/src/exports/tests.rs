@@ -7,8 +7,8 @@ use serde_json::{Value, json};
 use swarm::spec::Method;
 
 use super::*;
-use crate::tables::Cell;
 use crate::documents::{BuiltinArenas, resolve};
+use crate::tables::Cell;
 
 /// Dotted paths of the values in a document; lists are left out.
 fn paths(value: &Value, before: &str, found: &mut BTreeSet<String>) {
