@@ -32,7 +32,7 @@ fn header(robots: u32, steps_per_epoch: u32, every_steps: u32, epochs: u64) -> H
         objects: 2,
         fields: Fields::ALL,
         drive: DriveModel {
-            top_speed_rad_s: 6.28,
+            top_speed_rad_s: 6.25,
             acceleration_rad_s_step: Some(0.64),
             advance_m_s: 0.02 * 0.064 / 2.0,
             turn_s: 0.02 * 0.064 / 0.052,
@@ -393,7 +393,7 @@ proptest! {
         let sample = samples.start + at % (samples.end - samples.start);
         let place = layout.place(sample);
         prop_assert!((from..from + epochs).contains(&place.arena_epoch));
-        prop_assert!(place.step <= steps && place.step % every == 0);
+        prop_assert!(place.step <= steps && place.step.is_multiple_of(every));
         prop_assert_eq!(layout.at_or_after(place), sample);
         prop_assert_eq!(layout.begins_epoch(sample), place.step == 0);
         let end = layout.block_end(sample);

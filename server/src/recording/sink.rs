@@ -109,8 +109,11 @@ impl Sink {
     /// Writes the end of the recording. Returns whether all of it is there.
     pub fn end(&mut self) -> bool {
         let (told, done) = channel();
-        let asked = self.jobs.as_ref().map(|jobs| jobs.send(Job::End(told)));
-        let ended = matches!(asked, Some(Ok(()))) && done.recv().unwrap_or(false);
+        let asked = self
+            .jobs
+            .as_ref()
+            .map(|jobs| jobs.send(Job::End(told)).is_ok());
+        let ended = asked == Some(true) && done.recv().unwrap_or(false);
         self.join();
         ended
     }

@@ -107,7 +107,7 @@ pub fn epoch_of(header: &Header, epoch: u64) -> RecordedEpoch {
                 epoch,
                 phase: stage.phase.clone(),
                 phase_epoch: within / each,
-                in_training: stage.in_training && within % each == 0,
+                in_training: stage.in_training && within.is_multiple_of(each),
             };
         }
         within -= epochs;

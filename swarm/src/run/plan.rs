@@ -55,7 +55,7 @@ impl EpochKind {
                 return Some(Self {
                     phase: stage.phase,
                     number: (within / each) as u32,
-                    in_training: stage.in_training && within % each == 0,
+                    in_training: stage.in_training && within.is_multiple_of(each),
                 });
             }
             first += stage.arena_epochs();

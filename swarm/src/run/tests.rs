@@ -201,7 +201,7 @@ fn robots_go_on_only_while_they_explore() {
         let mut jumps = Vec::new();
         let mut phase = run.progress().phase;
         while run.outcome().is_none() {
-            let before = run.robots()[0].clone();
+            let before = run.robots()[0];
             run.advance(1);
             let robot = &run.robots()[0];
             let far = (robot.x_m - before.x_m).abs() + (robot.y_m - before.y_m).abs() > 0.02;
