@@ -63,7 +63,13 @@ pub enum ControllerError {
 }
 
 /// Says what was tried when the transport refuses it.
-fn transport<T, E: Debug>(what: &'static str, outcome: Result<T, E>) -> Result<T, ControllerError> {
+///
+/// # Errors
+/// `Transport` where the outcome is one.
+pub fn transport<T, E: Debug>(
+    what: &'static str,
+    outcome: Result<T, E>,
+) -> Result<T, ControllerError> {
     outcome.map_err(|error| ControllerError::Transport {
         what,
         why: format!("{error:?}"),

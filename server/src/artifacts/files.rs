@@ -9,6 +9,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Serialize;
 use swarm::run::{CurveRow, MetricsLog};
 
+use super::tables::curve_row;
 use super::{
     coverage_csv, coverage_json, coverage_png, coverage_svg, curve_csv, metrics_csv, metrics_json,
     objects_csv, objects_json, pushed, robots_csv, visits_npy,
@@ -305,27 +306,11 @@ fn metrics_parquet(log: &MetricsLog, step_s: f64) -> Vec<u8> {
 
 /// At most `points` rows, evenly spread, the last always there.
 fn thinned(curve: &[CurveRow], points: Option<usize>) -> Vec<api::CurveRow> {
-    let shown = |row: &CurveRow| {
-        let CurveRow {
-            epoch,
-            p1,
-            p2,
-            p5,
-            p10,
-        } = *row;
-        api::CurveRow {
-            epoch,
-            p1,
-            p2,
-            p5,
-            p10,
-        }
-    };
     match points {
         Some(points) if points >= 2 && points < curve.len() => (0..points)
-            .map(|point| shown(&curve[point * (curve.len() - 1) / (points - 1)]))
+            .map(|point| curve_row(&curve[point * (curve.len() - 1) / (points - 1)]))
             .collect(),
-        _ => curve.iter().map(shown).collect(),
+        _ => curve.iter().map(curve_row).collect(),
     }
 }
 

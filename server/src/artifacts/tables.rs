@@ -150,3 +150,21 @@ pub fn coverage_csv(visits: &[u32], columns: u32) -> String {
     }
     text
 }
+
+/// A row of a run's curve.
+pub fn curve_row(row: &swarm::run::CurveRow) -> api::CurveRow {
+    let swarm::run::CurveRow {
+        epoch,
+        p1,
+        p2,
+        p5,
+        p10,
+    } = *row;
+    api::CurveRow {
+        epoch,
+        p1,
+        p2,
+        p5,
+        p10,
+    }
+}

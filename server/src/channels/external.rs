@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use api::controller::{ControllerError, bell, node, service};
+use api::controller::{ControllerError, bell, node, service, transport};
 use api::external::{Answered, Asked, EXTERNAL_VERSION, RobotSense, Side, WheelCommand, share};
 use iceoryx2::pending_response::PendingResponse;
 use iceoryx2::port::client::Client;
@@ -66,16 +66,6 @@ impl AskError {
     pub fn may_pass(&self) -> bool {
         !matches!(self, Self::Wrong { .. })
     }
-}
-
-fn transport<T, E: std::fmt::Debug>(
-    what: &'static str,
-    outcome: Result<T, E>,
-) -> Result<T, ControllerError> {
-    outcome.map_err(|error| ControllerError::Transport {
-        what,
-        why: format!("{error:?}"),
-    })
 }
 
 /// The connection to one controller. Fields are dropped in this order.

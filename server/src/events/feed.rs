@@ -8,7 +8,7 @@ use api::events::{Event, StateChange};
 use tokio::time::Instant;
 
 use super::hub::{Hub, Place, TooManyListeners};
-use crate::artifacts::metrics_json;
+use crate::artifacts::{curve_row, metrics_json};
 use crate::findings::views;
 use crate::scheduler::View;
 use crate::store::{RunKey, StoreError, Subject};
@@ -186,7 +186,7 @@ impl State {
             && row.epoch != self.epochs
         {
             self.epochs = row.epoch;
-            tell(Event::Coverage(views::curve_row(row)));
+            tell(Event::Coverage(curve_row(row)));
         }
         let log = &view.findings.metrics;
         if let Some(last) = log.rows.last()

@@ -89,21 +89,3 @@ fn stored_progress(position: &Position, view: &RunView) -> Progress {
         robot_steps_per_s: None,
     }
 }
-
-/// A row of a run's curve.
-pub fn curve_row(row: &swarm::run::CurveRow) -> api::CurveRow {
-    let swarm::run::CurveRow {
-        epoch,
-        p1,
-        p2,
-        p5,
-        p10,
-    } = *row;
-    api::CurveRow {
-        epoch,
-        p1,
-        p2,
-        p5,
-        p10,
-    }
-}

@@ -3,13 +3,17 @@
 use std::sync::Arc;
 
 use api::ProblemCode;
+use axum::Json;
+use axum::http::StatusCode;
+use axum::http::header::LOCATION;
+use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
 use tokio::sync::Semaphore;
 
 use super::metrics::Metrics;
 use super::refusal::Refusal;
 use crate::events::Hub;
-use crate::findings::Assembler;
+use crate::findings::{Assembler, views};
 use crate::recording::Maker;
 use crate::scheduler::Scheduler;
 use crate::store::{JobKey, JobView, RunView, Store};
@@ -54,6 +58,13 @@ impl App {
         self.store
             .job(seq)?
             .ok_or_else(|| Refusal::not_found(ProblemCode::JobNotFound, "job", &seq.to_string()))
+    }
+
+    /// The answer to whoever has made a job of another run.
+    pub(super) fn created(&self, job: JobKey) -> Result<Response, Refusal> {
+        let shown = views::job(&self.job(job)?, &self.scheduler);
+        let location = [(LOCATION, format!("/v1/jobs/{}", shown.id))];
+        Ok((StatusCode::CREATED, location, Json(shown)).into_response())
     }
 
     /// The run of this id.

@@ -10,8 +10,8 @@ use api::{CheckpointInfo, Fork, Job, ProblemCode};
 use axum::Json;
 use axum::body::Bytes;
 use axum::extract::State;
-use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE, LOCATION};
-use axum::http::{HeaderMap, StatusCode};
+use axum::http::HeaderMap;
+use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE};
 use axum::response::{IntoResponse, Response};
 
 use super::App;
@@ -22,8 +22,6 @@ use super::refusal::Refusal;
 use super::request::{parse, said_to_be_json};
 use super::routes::Routes;
 use crate::documents::fork;
-use crate::findings::views;
-use crate::store::JobKey;
 
 const BYTES: &str = "application/octet-stream";
 
@@ -123,7 +121,7 @@ async fn upload(
     FoundRun(run): FoundRun,
     body: Bytes,
 ) -> Result<Response, Refusal> {
-    app.blocking(move |app| made(app, app.scheduler.upload_checkpoint(&run, &body)?))
+    app.blocking(move |app| app.created(app.scheduler.upload_checkpoint(&run, &body)?))
         .await
 }
 
@@ -137,13 +135,7 @@ async fn fork_run(
     said_to_be_json(&headers)?;
     app.blocking(move |app| {
         let wanted = fork(&parse(&body)?).map_err(Refusal::fields)?;
-        made(app, app.scheduler.fork_run(&run, &wanted)?)
+        app.created(app.scheduler.fork_run(&run, &wanted)?)
     })
     .await
-}
-
-fn made(app: &App, job: JobKey) -> Result<Response, Refusal> {
-    let shown = views::job(&app.job(job)?, &app.scheduler);
-    let location = [(LOCATION, format!("/v1/jobs/{}", shown.id))];
-    Ok((StatusCode::CREATED, location, Json(shown)).into_response())
 }

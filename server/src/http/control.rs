@@ -10,7 +10,7 @@ use api::{Epochs, ExtendJob, Job, Priority, ProblemCode, RunLog, RunLogEntry, Ru
 use axum::Json;
 use axum::body::Bytes;
 use axum::extract::State;
-use axum::http::header::{CONTENT_TYPE, LOCATION};
+use axum::http::header::CONTENT_TYPE;
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 
@@ -235,10 +235,7 @@ async fn extend_run(
     said_to_be_json(&headers)?;
     app.blocking(move |app| {
         let epochs = number(&body, "epochs", (1, i64::from(MAX_MORE_EPOCHS)))?;
-        let seq = app.scheduler.extend_run(&run, epochs as u32)?;
-        let shown = views::job(&app.job(seq)?, &app.scheduler);
-        let location = [(LOCATION, format!("/v1/jobs/{}", shown.id))];
-        Ok((StatusCode::CREATED, location, Json(shown)).into_response())
+        app.created(app.scheduler.extend_run(&run, epochs as u32)?)
     })
     .await
 }

@@ -3,10 +3,9 @@
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-use super::arenas::StoredArenas;
+use super::attempt::stored_spec;
 use super::config::SchedulerConfig;
 use crate::channels::Lookout;
-use crate::documents::{parse, resolve};
 use crate::store::{JobKey, RunKey, StoppedRun, Store, StoreError};
 
 /// Time between two looks.
@@ -97,10 +96,7 @@ fn go_on(workers: &impl Workers, run: RunKey) -> Result<(), StoreError> {
 
 fn are_there(store: &Store, lookout: &Lookout, run: &StoppedRun) -> bool {
     let spec = store.spec(run.seq).ok().flatten();
-    let resolved = spec.and_then(|text| {
-        let document = parse(&text).ok()?;
-        resolve(&document, &StoredArenas::new(store)).ok()
-    });
+    let resolved = spec.and_then(|text| stored_spec(store, &text).ok());
     resolved.is_some_and(|spec| {
         let parameters = swarm::methods::ExternalParameters::of(&spec.run_spec());
         lookout

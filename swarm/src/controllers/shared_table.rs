@@ -77,11 +77,6 @@ impl SharedTableExplorers {
         &self.repository
     }
 
-    /// Where a robot stands in the table.
-    pub fn decider(&self, robot: usize) -> Option<&Decider> {
-        self.deciders.get(robot)
-    }
-
     /// Where each robot stands in the table; index is the robot's number.
     pub fn deciders(&self) -> &[Decider] {
         &self.deciders

@@ -70,7 +70,7 @@ impl Run {
             Learners::Explorers(robots) => Some(none.exploring(robots.get(robot)?)),
             Learners::SharedTable(robots) => Some(Learnt {
                 clusters: robots.codebook().counts(),
-                choice: Some(choice(robots.decider(robot)?)),
+                choice: Some(choice(robots.deciders().get(robot)?)),
                 table: Some((robots.codebook(), robots.repository())),
                 ..none
             }),
@@ -83,7 +83,7 @@ impl Run {
         let decider = match &self.learners {
             Learners::Replayers(robots) => robots.get(robot)?.explorer().decider(),
             Learners::Explorers(robots) => robots.get(robot)?.decider(),
-            Learners::SharedTable(robots) => robots.decider(robot)?,
+            Learners::SharedTable(robots) => robots.deciders().get(robot)?,
             _ => return None,
         };
         Some(choice(decider))
