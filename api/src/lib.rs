@@ -9,6 +9,7 @@ pub mod control;
 pub mod controller;
 pub mod curves;
 pub mod events;
+pub mod explanation;
 pub mod external;
 pub mod frames;
 pub mod job;

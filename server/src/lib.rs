@@ -8,6 +8,7 @@ pub mod channels;
 pub mod cli;
 pub mod documents;
 mod events;
+pub mod explain;
 mod exports;
 mod findings;
 pub mod http;

@@ -1,5 +1,6 @@
 //! `evswarm submit`, `status` and `cancel`: a client of the HTTP service.
 
+use std::fs::File;
 use std::net::IpAddr;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -218,7 +219,23 @@ impl Client {
         }
     }
 
-    fn get<T: DeserializeOwned>(&self, path: &str) -> Result<T, Failure> {
+    /// Saves what is answered.
+    pub fn save(&self, path: &str, file: &mut File) -> Result<(), Failure> {
+        let request = self.agent.get(format!("{}{path}", self.url));
+        let response = self.signed(request).call();
+        if response
+            .as_ref()
+            .is_ok_and(|response| !response.status().is_success())
+        {
+            return self.body(response).map(drop);
+        }
+        let mut response = response.with_context(|| self.silence())?;
+        std::io::copy(&mut response.body_mut().as_reader(), file)
+            .with_context(|| format!("the answer of {} broke off", self.url))?;
+        Ok(())
+    }
+
+    pub fn get<T: DeserializeOwned>(&self, path: &str) -> Result<T, Failure> {
         let request = self.agent.get(format!("{}{path}", self.url));
         self.answer(self.signed(request).call())
     }

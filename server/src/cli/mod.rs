@@ -10,6 +10,7 @@ mod failure;
 mod out;
 mod output;
 mod progress;
+mod replay;
 mod reproduce;
 mod run;
 mod serve;
@@ -82,6 +83,12 @@ enum Command {
     Compare(compare::CompareArguments),
     /// Cancel a job of a service.
     Cancel(client::CancelArguments),
+    /// Play a recording as text: of a file, or of a run of a service.
+    Replay(replay::ReplayArguments),
+    /// Make a film of a recording: .gif, or .mp4 and .webm by an installed ffmpeg.
+    Video(replay::VideoArguments),
+    /// Say why a run did what it did: of a spec, or of a run of a service. The run is stepped again.
+    Explain(replay::ExplainArguments),
     /// List, check and draw arenas.
     #[command(subcommand)]
     Arenas(catalog::ArenasCommand),
@@ -174,6 +181,9 @@ fn dispatch(command: Command) -> Result<(), Failure> {
         Command::Summary(arguments) => client::summary(&arguments),
         Command::Compare(arguments) => compare::compare(&arguments),
         Command::Cancel(arguments) => client::cancel(&arguments),
+        Command::Replay(arguments) => replay::replay(&arguments),
+        Command::Video(arguments) => replay::video(&arguments),
+        Command::Explain(arguments) => replay::explain(&arguments),
         Command::Arenas(command) => catalog::arenas(&command),
         Command::Controllers { json } => catalog::controllers(json),
         Command::Completions { shell } => {

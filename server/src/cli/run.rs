@@ -210,7 +210,7 @@ fn recorded(spec: &ResolvedRun, checkpoint: &Checkpoint, run: Run) -> Result<Beg
     })
 }
 
-fn wrong(errors: Vec<swarm::spec::FieldError>) -> Failure {
+pub(super) fn wrong(errors: Vec<swarm::spec::FieldError>) -> Failure {
     Failure::WrongSpec(errors.into_iter().map(documents::field_error).collect())
 }
 

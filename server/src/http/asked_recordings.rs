@@ -17,7 +17,7 @@ use super::App;
 use super::extract::FoundRun;
 use super::operation::{Operation, Shape};
 use super::query::Query;
-use super::recordings::{MEDIA_TYPE, SLICE, cut, table, whole};
+use super::recordings::{MCAP, MEDIA_TYPE, SLICE, as_mcap, cut, table, whole};
 use super::refusal::Refusal;
 use super::request::{parse, said_to_be_json};
 use super::routes::Routes;
@@ -70,6 +70,12 @@ pub fn routes() -> Routes {
             recording("getRunRecordingSlice", "A slice of a recording")
                 .query(SLICE)
                 .shows::<RecordingSlice>("The slice."),
+        )
+        .also_read_as(
+            "/runs/{id}/recordings/{name}.mcap",
+            recording("getRunRecordingAsMcap", "A recording, as MCAP")
+                .answers(200, "The file.", MCAP, None)
+                .streamed(),
         )
         .also_read_as("/runs/{id}/recordings/{name}.csv", form(Form::Csv))
         .also_read_as("/runs/{id}/recordings/{name}.parquet", form(Form::Parquet))
@@ -171,6 +177,7 @@ async fn show(
     match form.as_deref() {
         None => whole(app, paths, run, "recording", headers).await,
         Some("json") => Ok(cut(app, paths, run, query).await?.into_response()),
+        Some("mcap") => as_mcap(app, paths, run, "recording").await,
         Some("csv") => table(app, paths, run, "recording", Form::Csv).await,
         Some("parquet") => table(app, paths, run, "recording", Form::Parquet).await,
         Some(form) => Err(not_found(form)),

@@ -17,6 +17,7 @@ mod contract;
 mod control;
 mod docs;
 mod events;
+mod explain;
 mod exports;
 mod extract;
 mod files;

@@ -26,12 +26,14 @@ use super::parts::streamed;
 use super::query::{Parameter, Query};
 use super::refusal::Refusal;
 use super::routes::Routes;
-use crate::recording::{Paths, SliceError, SliceQuery, Stage, slice, write_rows};
+use crate::recording::{Paths, SliceError, SliceQuery, Stage, slice, write_mcap, write_rows};
 use crate::store::RunView;
 use crate::tables::Form;
 
 /// What a recording is sent as.
 pub const MEDIA_TYPE: &str = "application/octet-stream";
+/// What MCAP is sent as.
+pub const MCAP: &str = "application/x-mcap";
 /// Most robots that a slice names.
 const MOST_ROBOTS: usize = 1_000;
 
@@ -78,6 +80,15 @@ pub fn routes() -> Routes {
                 .shows::<RecordingSlice>("The slice.")
                 .refuses(&[RecordingNotFound]),
         );
+    let routes = routes.get(
+        "/runs/{id}/recording.mcap",
+        mcap,
+        Operation::new("getRecordingAsMcap", "What the run recorded, as MCAP")
+            .details("Poses, signals of each robot, and the arena as a scene; schemas are inside.")
+            .answers(200, "The file.", MCAP, None)
+            .streamed()
+            .refuses(&[RecordingNotFound]),
+    );
     [Form::Csv, Form::Parquet]
         .into_iter()
         .fold(routes, |routes, form| {
@@ -119,6 +130,12 @@ async fn json(
 ) -> Result<Json<RecordingSlice>, Refusal> {
     let paths = live(&app, &run);
     cut(app, paths, run, query).await
+}
+
+/// `GET /v1/runs/{id}/recording.mcap`.
+async fn mcap(State(app): State<App>, FoundRun(run): FoundRun) -> Result<Response, Refusal> {
+    let paths = live(&app, &run);
+    as_mcap(app, paths, run, "recording").await
 }
 
 /// The file of a recording, or the part of it that is asked for.
@@ -238,6 +255,19 @@ pub async fn table(
         write_rows(reader, form, out)
     };
     convert(app, paths, run, (name, suffix, form.media_type()), made).await
+}
+
+/// A recording as MCAP.
+pub async fn as_mcap(
+    app: App,
+    paths: Paths,
+    run: RunView,
+    name: &'static str,
+) -> Result<Response, Refusal> {
+    let made = |reader: &mut Reader<BufReader<File>>, out: &mut (dyn Write + Send)| {
+        write_mcap(reader, out)
+    };
+    convert(app, paths, run, (name, "mcap", MCAP), made).await
 }
 
 /// A recording in another format, made while it is sent.

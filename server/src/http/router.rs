@@ -23,8 +23,8 @@ use super::refusal::Refusal;
 use super::routes::Routes;
 use super::{
     arenas, asked_recordings, catalog, checkpoints, checks, comparison, compression, conditional,
-    contract, control, events, exports, files, health, job_findings, jobs, openapi, page, problems,
-    recordings, runs, scrape, watching, workers,
+    contract, control, events, explain, exports, files, health, job_findings, jobs, openapi, page,
+    problems, recordings, runs, scrape, watching, workers,
 };
 
 /// Every route, and what each does.
@@ -42,6 +42,7 @@ pub fn routes() -> Routes {
         .merge(watching::routes())
         .merge(recordings::routes())
         .merge(asked_recordings::routes())
+        .merge(explain::routes())
         .merge(arenas::routes())
         .merge(checks::routes())
         .merge(catalog::routes())

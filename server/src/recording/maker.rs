@@ -9,9 +9,11 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use api::explanation::Explanation;
 use api::recording::{RecordingState, RecordingSummary};
 use swarm::run::{Progress, Run};
 
+use super::explained::{keep_explanation, known_explanation};
 use super::kept::nearest;
 use super::origin::{begin_at_origin, first_whole_epoch};
 use super::paths::Stage;
@@ -22,6 +24,7 @@ use super::wish::{Wish, all};
 use crate::documents::{
     MOST_RECORDING_BYTES, RecordRequest, ResolvedRun, Stretch, asked_recording,
 };
+use crate::explain::{ExplainError, explain};
 use crate::runner::{self, MemoryBound, Observer, PauseAt, Stop};
 use crate::store::{RunView, Store};
 
@@ -60,7 +63,7 @@ pub struct Settings {
 
 #[derive(Default)]
 struct State {
-    waiting: VecDeque<(String, u64)>,
+    waiting: VecDeque<(String, Task)>,
     active: Option<Active>,
     stopping: bool,
 }
@@ -68,10 +71,30 @@ struct State {
 #[derive(Clone)]
 struct Active {
     run: String,
-    number: u64,
+    task: Task,
     stop: Arc<AtomicBool>,
     /// Steps done and in all.
     steps: Arc<[AtomicU64; 2]>,
+}
+
+/// What is to be done with a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Task {
+    /// Make the recording of this number.
+    Record(u64),
+    /// Explain it.
+    Explain,
+}
+
+/// How far the explanation of a run is.
+#[derive(Clone, Debug)]
+pub enum Explained {
+    /// It is known.
+    Known(Box<Explanation>),
+    /// It could not be found.
+    Failed(String),
+    /// It is being found, this share of it done, or waits.
+    Pending(f64),
 }
 
 /// Why a recording is not made.
@@ -150,7 +173,9 @@ impl Maker {
         }
         std::fs::create_dir_all(&directory)?;
         wish.write(&directory)?;
-        state.waiting.push_back((run.id.clone(), number));
+        state
+            .waiting
+            .push_back((run.id.clone(), Task::Record(number)));
         drop(state);
         self.shared.changed.notify_all();
         Ok((wish, true))
@@ -188,14 +213,10 @@ impl Maker {
     pub fn summary(&self, run: &str, wish: &Wish) -> RecordingSummary {
         let paths = wish.paths(&self.shared.store.recordings().of(run));
         let active = self.shared.state().active.clone();
-        let active = active.filter(|active| active.run == run && active.number == wish.number);
+        let active = active.filter(|active| active.is(run, Task::Record(wish.number)));
         let stage = paths.open().ok().flatten().map(|(_, stage)| stage);
         let (state, progress) = match (active, stage) {
-            (Some(active), _) => {
-                let [done, all] =
-                    [0, 1].map(|which: usize| active.steps[which].load(Ordering::Relaxed) as f64);
-                (RecordingState::Recording, Some(done / all.max(1.0)))
-            }
+            (Some(active), _) => (RecordingState::Recording, Some(active.progress())),
             (None, Some(Stage::Whole)) => (RecordingState::Done, None),
             (None, Some(Stage::Cut)) => (RecordingState::Cut, None),
             (None, _) if wish.reason.is_some() => (RecordingState::Cut, None),
@@ -209,10 +230,10 @@ impl Maker {
         let mut state = self.shared.state();
         state
             .waiting
-            .retain(|(other, number)| (other.as_str(), *number) != (run, wish.number));
+            .retain(|(other, task)| (other.as_str(), *task) != (run, Task::Record(wish.number)));
         let is_active = |state: &State| {
             let active = state.active.as_ref();
-            active.is_some_and(|active| active.run == run && active.number == wish.number)
+            active.is_some_and(|active| active.is(run, Task::Record(wish.number)))
         };
         if let Some(active) = &state.active
             && is_active(&state)
@@ -224,6 +245,37 @@ impl Maker {
             state = waited.unwrap_or_else(PoisonError::into_inner);
         }
         wish.remove(&self.shared.store.recordings().of(run));
+    }
+
+    /// Why a run did what it did; asks for it where that is not known.
+    ///
+    /// # Errors
+    /// When too much waits.
+    pub fn explained(&self, run: &str) -> Result<Explained, AskError> {
+        let directory = self.shared.store.recordings().of(run);
+        if let Some(known) = known_explanation(&directory) {
+            return Ok(match known {
+                Ok(explanation) => Explained::Known(Box::new(explanation)),
+                Err(reason) => Explained::Failed(reason),
+            });
+        }
+        let mut state = self.shared.state();
+        if let Some(active) = &state.active
+            && active.is(run, Task::Explain)
+        {
+            return Ok(Explained::Pending(active.progress()));
+        }
+        let task = (run.to_owned(), Task::Explain);
+        if !state.waiting.contains(&task) {
+            if state.waiting.len() >= MOST_WAITING {
+                return Err(AskError::TooManyWait);
+            }
+            // Before recordings: it is what somebody waits for.
+            state.waiting.push_front(task);
+            drop(state);
+            self.shared.changed.notify_all();
+        }
+        Ok(Explained::Pending(0.0))
     }
 
     /// Ends the thread; what it was at is made anew by the next process.
@@ -244,6 +296,18 @@ impl Maker {
         if thread.is_some_and(|thread| thread.join().is_err()) {
             tracing::error!("the thread that makes recordings panicked");
         }
+    }
+}
+
+impl Active {
+    fn is(&self, run: &str, task: Task) -> bool {
+        self.run == run && self.task == task
+    }
+
+    /// Share of the steps that are done.
+    fn progress(&self) -> f64 {
+        let [done, all] = [0, 1].map(|which: usize| self.steps[which].load(Ordering::Relaxed));
+        done as f64 / (all as f64).max(1.0)
     }
 }
 
@@ -284,7 +348,7 @@ fn summary(
 }
 
 /// What an earlier process has not made, in the order in which it was asked for.
-fn left_over(store: &Store) -> VecDeque<(String, u64)> {
+fn left_over(store: &Store) -> VecDeque<(String, Task)> {
     let mut left = Vec::new();
     for run in store.recordings().runs() {
         let directory = store.recordings().of(&run);
@@ -297,7 +361,7 @@ fn left_over(store: &Store) -> VecDeque<(String, u64)> {
     }
     left.sort();
     left.into_iter()
-        .map(|(_, run, number)| (run, number))
+        .map(|(_, run, number)| (run, Task::Record(number)))
         .collect()
 }
 
@@ -327,13 +391,13 @@ impl Shared {
             if state.stopping {
                 return;
             }
-            let Some((run, number)) = state.waiting.pop_front() else {
+            let Some((run, task)) = state.waiting.pop_front() else {
                 drop(self.changed.wait_timeout(state, TIDY));
                 continue;
             };
             let active = Active {
                 run,
-                number,
+                task,
                 stop: Arc::default(),
                 steps: Arc::default(),
             };
@@ -391,15 +455,14 @@ impl Shared {
     }
 
     fn give_up(&self, active: &Active, why: String) {
-        tracing::warn!(
-            run = active.run,
-            number = active.number,
-            why,
-            "no recording"
-        );
+        tracing::warn!(run = active.run, why, "no recording or explanation");
         let directory = self.store.recordings().of(&active.run);
+        let Task::Record(number) = active.task else {
+            keep_explanation(&directory, &Err(why));
+            return;
+        };
         let wish = all(&directory);
-        if let Some(mut wish) = wish.into_iter().find(|wish| wish.number == active.number) {
+        if let Some(mut wish) = wish.into_iter().find(|wish| wish.number == number) {
             wish.reason = Some(why);
             if let Err(error) = wish.write(&directory) {
                 tracing::warn!(%error, "the reason cannot be kept");
@@ -412,17 +475,37 @@ impl Shared {
         let view = self.store.run(&active.run).map_err(|e| e.to_string())?;
         let Some(view) = view else { return Ok(()) };
         let directory = self.store.recordings().of(&active.run);
-        let wishes = all(&directory);
-        let Some(wish) = wishes.iter().find(|wish| wish.number == active.number) else {
-            return Ok(());
-        };
         let spec = (self.spec_of)(&view)?;
         if view.results_version != swarm::RESULTS_VERSION {
             return Err("the run is of another version of results".to_owned());
         }
+        let Task::Record(number) = active.task else {
+            return self.explain(active, &directory, &spec);
+        };
+        let wishes = all(&directory);
+        let Some(wish) = wishes.iter().find(|wish| wish.number == number) else {
+            return Ok(());
+        };
         let asked = asked_recording(&wish.document(), &spec.run_spec(), 0);
         let (request, stretch) = asked.map_err(|errors| format!("{errors:?}"))?;
         self.simulate(active, &directory, wish, &spec, (&request, stretch))
+    }
+
+    /// Explains a run.
+    fn explain(&self, active: &Active, directory: &Path, spec: &ResolvedRun) -> Result<(), String> {
+        let robots = u64::from(spec.run_spec().robots).max(1);
+        active.steps[1].store(spec.robot_steps() / robots, Ordering::Relaxed);
+        let stop = || active.stop.load(Ordering::Relaxed);
+        let mut meter = Meter(Arc::clone(&active.steps), 0);
+        let run = self.at_beginning(&active.run, spec)?;
+        match explain(run, &stop, &mut meter) {
+            Ok(explanation) => {
+                keep_explanation(directory, &Ok(explanation));
+                Ok(())
+            }
+            Err(ExplainError::Stopped) => Ok(()),
+            Err(ExplainError::Failed(reason)) => Err(reason),
+        }
     }
 
     fn simulate(

@@ -1,11 +1,15 @@
 //! Recordings of runs: taken while a run is stepped, live or later from its beginning again, and
 //! read back in slices and in other formats. The format itself is the crate `recording`.
 
+mod explained;
+mod film;
 mod kept;
 mod maker;
+mod mcap_file;
 mod open;
 mod origin;
 mod paths;
+mod play;
 mod recorder;
 mod room;
 mod rows;
@@ -17,13 +21,16 @@ mod subject;
 mod tests;
 mod wish;
 
+pub use film::Film;
 pub use kept::Keeper;
-pub use maker::{AskError, Maker, Settings};
+pub use maker::{AskError, Explained, Maker, Settings};
+pub use mcap_file::write_mcap;
 pub use open::OpenError;
 pub use origin::{begin_at_origin, first_whole_epoch};
 pub use paths::{Paths, Stage};
+pub use play::{View, lines};
 pub use recorder::{Recorder, SharedRecorder, Tail};
 pub use rows::write_rows;
-pub use slice::{SliceError, SliceQuery, epoch_of, head, slice, step_of};
+pub use slice::{Moments, SliceError, SliceQuery, epoch_of, head, slice, step_of};
 pub use start::{Begun, begin, finish};
 pub use subject::header;

@@ -122,7 +122,7 @@ pub fn epoch_of(header: &Header, epoch: u64) -> RecordedEpoch {
 
 /// Every so many samples of each epoch, from its beginning on, or the beginnings of every so many
 /// epochs.
-struct Moments {
+pub struct Moments {
     samples_per_epoch: u64,
     /// Samples from one to the next.
     stride: u64,
@@ -134,7 +134,7 @@ struct Moments {
 
 impl Moments {
     /// From a step on, every so many steps.
-    fn new(header: &Header, layout: &Layout, from_step: u64, every: u64) -> Self {
+    pub fn new(header: &Header, layout: &Layout, from_step: u64, every: u64) -> Self {
         let steps = u64::from(header.steps_per_epoch);
         let recorded = u64::from(layout.every_steps());
         let samples_per_epoch = steps / recorded + 1;
