@@ -9,6 +9,7 @@ import type { Arena, Coverage, CurveRow, Learnt, Progress, Run, RunSpec } from "
 import { bytes, figure, pace, percent, sentence, whole } from "../words";
 import { curveChart } from "./curve";
 import { watchFrames, type Frame } from "./frames";
+import { replay } from "./replay";
 import { LAYERS, scene, type Layer, type Over } from "./scene";
 import { senses } from "./senses";
 import { tableView } from "./table";
@@ -51,6 +52,17 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
 
   let robot = Math.max(0, Number(options.get("robot")) || 0);
   const picture = scene((chosen) => chooseRobot(chosen));
+  let isReplaying = false;
+  const player = replay(id, options, (next) => {
+    isReplaying = next !== null;
+    if (next) {
+      seen(next);
+      write(moment, "");
+    } else {
+      seeing.stop();
+      seeing = watchNow();
+    }
+  });
   const body = senses();
   const table = tableView();
   const curve = curveChart();
@@ -90,7 +102,7 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
     h("div", { class: "head" }, heading, badge, h("span", { class: "actions" }, pause, resume, step, cancel, job)),
     bar, facts, why,
     h("div", { class: "two" },
-      h("div", { class: "left" }, tools, picture.element, moment, curve.element),
+      h("div", { class: "left" }, tools, picture.element, player.beside, player.element, moment, curve.element),
       h("div", { class: "right" }, h("h3", {}, "This run"), figures, h("h3", {}, "One robot"), chooser, learner, body.element, table.element)),
     h("h3", {}, "Files"),
     files,
@@ -160,6 +172,7 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
     write(badge, next.state);
     badge.dataset["state"] = next.state;
     job.href = link("job", next.job_id);
+    player.job(next.job_id);
     running = next.state === "running";
     show(pause, ["queued", "running"].includes(next.state));
     show(resume, next.state === "paused");
@@ -181,18 +194,24 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
       read<Run>(`/v1/runs/${id}`).then(showRun, trouble);
     }
   });
-  const seeing = watchFrames(id, {
+  const seen = (next: Frame): void => {
+    frame = next;
+    showArena();
+    picture.frame(next);
+    showRobot(next);
+  };
+  const watchNow = () => watchFrames(id, {
     frame: (next) => {
-      frame = next;
-      showArena();
-      picture.frame(next);
-      showRobot(next);
+      if (isReplaying) return;
+      seen(next);
       showMoment(next);
     },
     squares: (squares) => picture.squares(squares),
     waiting: () => write(moment, run?.state === "paused" ? "Paused: this is where the robots stand." : "Waits for a worker."),
-    isOver: () => run !== null && ENDED.includes(run.state),
+    // Nothing live is sent while a recording is shown.
+    isOver: () => isReplaying || (run !== null && ENDED.includes(run.state)),
   });
+  let seeing = watchNow();
   // What a robot has learnt is asked for while it changes, and of a method that learns.
   const asking = watch(
     LEARNT_EVERY_MS,
@@ -263,7 +282,7 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
     element,
     title: `Run ${id.slice(0, 8)}`,
     stop: () => {
-      for (const stopping of [hearing, seeing, asking, finding, picture, curve]) stopping.stop();
+      for (const stopping of [hearing, seeing, asking, finding, picture, curve, player]) stopping.stop();
       removeEventListener("keydown", key);
     },
   };
