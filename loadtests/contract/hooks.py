@@ -17,7 +17,8 @@ def ids(path):
 
 JOBS = ids("/v1/jobs")
 RUNS = ids("/v1/runs")
-NAMES = ["easy", "maze", "nowhere"]
+ARENAS = ["easy", "maze", "nowhere"]
+RECORDINGS = ["live", "0", "1"]
 CODES = ["damaged", "internal", "nothing"]
 
 
@@ -35,7 +36,7 @@ def map_path_parameters(context, path_parameters):
     if "id" in known:
         known["id"] = draw.choice(JOBS if path.startswith("/v1/jobs") else RUNS)
     if "name" in known:
-        known["name"] = draw.choice(NAMES)
+        known["name"] = draw.choice(RECORDINGS if "/recordings/" in path else ARENAS)
     if "code" in known:
         known["code"] = draw.choice(CODES)
     return known
