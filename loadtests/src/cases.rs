@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use anyhow::{Context, Result, anyhow};
-use arenas::Arena;
+use arenas::{Arena, Tiling};
 use swarm::bodies::Reading;
 use swarm::controllers::{Brownian, Controller};
+use swarm::crew::Crew;
 use swarm::placement::place;
 use swarm::random::{Purpose, Site, draw, stream_key, unit};
 use swarm::robot::RobotModel;
@@ -16,8 +17,8 @@ use swarm::spec::{
 };
 use swarm::world::{Ground, World};
 
-/// Steps that are taken on in one go.
-pub type Chunk = Box<dyn FnMut(u64) -> u64>;
+/// Steps that are taken in one go, on some threads.
+pub type Chunk = Box<dyn FnMut(u64, &Crew) -> u64>;
 
 /// One row of the table.
 pub struct Case {
@@ -117,6 +118,25 @@ pub fn scaled_arena(robots: u64) -> Result<Arc<Arena>> {
     ))
 }
 
+/// So many columns and rows of the built-in arena `easy`, open to each other: 0.036 m2 a robot where
+/// a tile has ten.
+fn tiled(along: u32) -> Result<Arc<Arena>> {
+    let tiling = Tiling {
+        tile: [along, along],
+        ..Tiling::default()
+    };
+    Ok(Arc::new(builtin("easy")?.tiled(&tiling).map_err(refused)?))
+}
+
+/// Robots that learn by themselves, with little to prepare.
+fn im_spec(arena: Arc<Arena>, robots: u64) -> Result<RunSpec> {
+    let mut spec = run_spec(Method::Im, arena, robots, EngineKind::Kinematic)?;
+    spec.controller.parameters.babbling_epochs = 1;
+    spec.steps_per_epoch = 500;
+    spec.controller.parameters.sample = 1_024;
+    Ok(spec)
+}
+
 /// Side of the yard with objects, metres, and objects along it.
 const YARD_M: f64 = 6.0;
 const OBJECTS_ALONG: u32 = 32;
@@ -174,7 +194,8 @@ fn stepped<P: Controller + 'static>(mut world: World, mut controllers: Vec<P>) -
     let bytes_per_robot = Some((world.bytes() / controllers.len()) as u64);
     Setup {
         bytes_per_robot,
-        chunk: Box::new(move |steps| {
+        chunk: Box::new(move |steps, crew| {
+            world.set_crew(crew);
             let mut left = steps;
             while left > 0 {
                 let block = left.min(2_000);
@@ -233,7 +254,8 @@ fn exploring(spec: RunSpec) -> Result<Setup> {
     }
     Ok(Setup {
         bytes_per_robot: Some(run.bytes() / robots),
-        chunk: Box::new(move |steps| {
+        chunk: Box::new(move |steps, crew| {
+            run.set_crew(crew.clone());
             run.advance(steps);
             steps * robots
         }),
@@ -256,7 +278,7 @@ fn evolving(arena: Arc<Arena>) -> Result<Setup> {
     run.advance(100_000);
     Ok(Setup {
         bytes_per_robot: Some(run.bytes()),
-        chunk: Box::new(move |steps| {
+        chunk: Box::new(move |steps, _| {
             run.advance(steps);
             steps
         }),
@@ -341,17 +363,27 @@ pub fn all() -> Vec<Case> {
             format!("kinematic/swarm/{robots}/im"),
             robots,
             Some((0.80, 0.40)),
-            move || {
-                let mut spec = run_spec(Method::Im, scaled_arena(robots)?, robots, Kinematic)?;
-                spec.controller.parameters.babbling_epochs = 1;
-                spec.steps_per_epoch = 500;
-                spec.controller.parameters.sample = 1_024;
-                exploring(spec)
-            },
+            move || exploring(im_spec(scaled_arena(robots)?, robots)?),
         );
         learning.standard = robots <= 1_000;
         cases.push(learning);
     }
+    cases.push(case("kinematic/tiled/1000/brownian", 1_000, None, || {
+        let world = world(&tiled(10)?, 1_000, Placement::Random, Kinematic)?;
+        Ok(stepped(world, brownians(1_000)))
+    }));
+    let mut learning = case("kinematic/tiled/10000/im", 10_000, None, || {
+        exploring(im_spec(tiled(32)?, 10_000)?)
+    });
+    learning.standard = false;
+    cases.push(learning);
+    cases.push(case("kinematic/1/easy/curiosity", 1, None, || {
+        exploring(run_spec(Method::Curiosity, builtin("easy")?, 1, Kinematic)?)
+    }));
+    cases.push(case("rapier/tiled/1000/brownian", 1_000, None, || {
+        let world = world(&tiled(10)?, 1_000, Placement::Random, Rapier)?;
+        Ok(stepped(world, brownians(1_000)))
+    }));
     for name in ["easy", "maze"] {
         cases.push(case(
             format!("rapier/1/{name}/brownian"),

@@ -13,3 +13,4 @@ pub mod picture;
 mod server;
 pub mod service;
 pub mod table;
+pub mod threads;

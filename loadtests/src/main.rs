@@ -7,7 +7,8 @@ use anyhow::{Context, Result};
 use clap::{Parser, Subcommand};
 use loadtests::cases::{self, Case};
 use loadtests::measure::{Figure, measure};
-use loadtests::{compare, document, faults, fuzz, instructions, picture, service, table};
+use loadtests::{compare, document, faults, fuzz, instructions, picture, service, table, threads};
+use swarm::crew::Crew;
 
 /// Benchmarks of the step loop: CPU nanoseconds a robot-step, on one thread.
 #[derive(Parser)]
@@ -58,6 +59,8 @@ enum Other {
     Faults(faults::Options),
     /// Documents and checkpoints changed at random: no panic, none above two seconds.
     Fuzz(fuzz::Options),
+    /// One world on several threads.
+    Threads(threads::Options),
 }
 
 fn main() -> Result<()> {
@@ -66,6 +69,7 @@ fn main() -> Result<()> {
         Some(Other::Http(options)) => return service::run(options),
         Some(Other::Faults(options)) => return faults::run(options),
         Some(Other::Fuzz(options)) => return fuzz::run(options),
+        Some(Other::Threads(options)) => return threads::run(options),
         None => {}
     }
     let cases: Vec<Case> = cases::all()
@@ -74,7 +78,8 @@ fn main() -> Result<()> {
         .collect();
     if let (Some(name), Some(steps)) = (&options.case, options.steps) {
         let case = cases::all().into_iter().find(|case| case.name == *name);
-        ((case.context("no case of this name")?.setup)()?.chunk)(steps);
+        let mut setup = (case.context("no case of this name")?.setup)()?;
+        (setup.chunk)(steps, &Crew::default());
         eprintln!("peak_bytes {}", instructions::peak_bytes().unwrap_or(0));
         return Ok(());
     }

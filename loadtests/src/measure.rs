@@ -3,6 +3,7 @@
 use anyhow::Result;
 use cpu_time::ThreadTime;
 use serde::{Deserialize, Serialize};
+use swarm::crew::Crew;
 
 use crate::cases::Case;
 
@@ -42,7 +43,7 @@ pub fn measure(
     chunk_ms: f64,
     mut progress: impl FnMut(&str),
 ) -> Result<Vec<Figure>> {
-    let mut setups = Vec::new();
+    let (mut setups, alone) = (Vec::new(), Crew::default());
     for case in cases {
         progress(&case.name);
         let mut setup = (case.setup)()?;
@@ -50,7 +51,7 @@ pub fn measure(
         let mut steps = (2_000 / case.robots).max(2);
         loop {
             let start = ThreadTime::now();
-            (setup.chunk)(steps);
+            (setup.chunk)(steps, &alone);
             let ms = start.elapsed().as_secs_f64() * 1e3;
             if ms >= 0.5 * chunk_ms {
                 break;
@@ -63,7 +64,7 @@ pub fn measure(
     for _ in 0..rounds {
         for (k, (setup, steps)) in setups.iter_mut().enumerate() {
             let start = ThreadTime::now();
-            let robot_steps = (setup.chunk)(*steps);
+            let robot_steps = (setup.chunk)(*steps, &alone);
             figures[k].push(start.elapsed().as_secs_f64() * 1e9 / robot_steps as f64);
             progress(&cases[k].name);
         }

@@ -7,11 +7,13 @@ use plotters::prelude::*;
 
 use crate::measure::Figure;
 use crate::table::{SCALING, robots_of};
+use crate::threads::Gain;
 
-const COLOURS: [RGBColor; 3] = [
+const COLOURS: [RGBColor; 4] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
 ];
 
 /// Draws nanoseconds a robot-step and peak memory over 1 to 100,000 robots as an SVG file.
@@ -71,5 +73,57 @@ pub fn scaling(figures: &[Figure], path: &Path) -> Result<()> {
             .draw()
             .map_err(|e| failed(&e))?;
     }
+    root.present().map_err(|e| failed(&e))
+}
+
+/// Draws how many times as fast worlds are stepped on several threads as an SVG file.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn threads(gains: &[Gain], path: &Path) -> Result<()> {
+    let failed = |e: &dyn std::fmt::Display| anyhow!("drawing {}: {e}", path.display());
+    let points = gains.iter().flat_map(|gain| &gain.points);
+    let most = points.map(|point| point.threads).max().unwrap_or(1) as f64;
+    let root = SVGBackend::new(path, (520, 380)).into_drawing_area();
+    root.fill(&WHITE).map_err(|e| failed(&e))?;
+    let mut chart = ChartBuilder::on(&root)
+        .caption(
+            "speed-up of one world (median wall time)",
+            ("sans-serif", 16),
+        )
+        .margin(12)
+        .x_label_area_size(36)
+        .y_label_area_size(48)
+        .build_cartesian_2d(1.0..most.max(1.1), 0.5..most + 0.5)
+        .map_err(|e| failed(&e))?;
+    chart
+        .configure_mesh()
+        .x_desc("threads")
+        .x_labels(most as usize)
+        .light_line_style(WHITE)
+        .draw()
+        .map_err(|e| failed(&e))?;
+    let even = LineSeries::new([(1.0, 1.0), (most, most)], BLACK.mix(0.3));
+    chart.draw_series(even).map_err(|e| failed(&e))?;
+    for (gain, colour) in gains.iter().zip(COLOURS) {
+        let alone_ns = gain.points[0].median_ns;
+        let points = gain
+            .points
+            .iter()
+            .map(|point| (point.threads as f64, alone_ns / point.median_ns));
+        let line = LineSeries::new(points.clone(), colour.stroke_width(2)).point_size(3);
+        chart
+            .draw_series(line)
+            .map_err(|e| failed(&e))?
+            .label(gain.name.trim_start_matches("kinematic/"))
+            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour));
+    }
+    chart
+        .configure_series_labels()
+        .border_style(BLACK)
+        .background_style(WHITE)
+        .position(SeriesLabelPosition::UpperLeft)
+        .draw()
+        .map_err(|e| failed(&e))?;
     root.present().map_err(|e| failed(&e))
 }

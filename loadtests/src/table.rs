@@ -1,15 +1,6 @@
-//! The table of figures against goals, and what other simulators need for the same worlds.
+//! The table of figures against goals, and of cost and memory against robots.
 
 use crate::measure::Figure;
-
-/// Published CPU nanoseconds a robot-step (median) of the fastest peer for each of its worlds.
-const PEERS: [(u64, f64, &str); 5] = [
-    (1, 1_198.0, "roborobo4"),
-    (10, 1_344.0, "roborobo4"),
-    (100, 1_278.0, "roborobo4"),
-    (1_000, 1_538.0, "roborobo4"),
-    (10_000, 3_138.0, "roborobo4"),
-];
 
 /// The figures as lines of text.
 pub fn lines(figures: &[Figure]) -> Vec<String> {
@@ -28,7 +19,7 @@ pub fn lines(figures: &[Figure]) -> Vec<String> {
         let bytes = f
             .bytes_per_robot
             .map_or_else(String::new, |bytes| bytes.to_string());
-        let mut line = format!(
+        lines.push(format!(
             "{:<34} {:>9.1} {:>9.1} {:>9.1} {:>7} {:>8}  {:<9} {:>12}",
             f.name,
             f.median_ns,
@@ -38,20 +29,14 @@ pub fn lines(figures: &[Figure]) -> Vec<String> {
             goal(f.stretch_us),
             verdict,
             bytes
-        );
-        if let Some((_, ns, who)) = PEERS
-            .iter()
-            .find(|(robots, ..)| f.name == format!("kinematic/peers/{robots}"))
-        {
-            line += &format!(
-                "  fastest peer: {who}, {ns:.0} ns, {:.1} times ours",
-                ns / f.median_ns
-            );
-        }
-        lines.push(line);
+        ));
     }
     lines
 }
+
+/// Most that a robot-step may cost among 100,000 robots, against among 10.
+const FLAT_GOAL: f64 = 1.25;
+const FLAT_STRETCH: f64 = 1.1;
 
 /// Kinds of cases that are measured at several numbers of robots: prefix, suffix, heading.
 pub const SCALING: [(&str, &str, &str); 3] = [
@@ -88,5 +73,23 @@ pub fn scaling(figures: &[Figure]) -> Vec<String> {
         }
         lines.push(line);
     }
+    lines.extend(flatness(figures));
     lines
+}
+
+/// How much more a robot-step costs among 100,000 robots than among 10, and the verdict.
+fn flatness(figures: &[Figure]) -> Option<String> {
+    let of = |robots: u64| {
+        let name = format!("kinematic/swarm/{robots}/brownian");
+        figures.iter().find(|f| f.name == name)
+    };
+    let ratio = of(100_000)?.median_ns / of(10)?.median_ns;
+    let verdict = match ratio {
+        ratio if ratio <= FLAT_STRETCH => "stretch",
+        ratio if ratio <= FLAT_GOAL => "goal",
+        _ => "missed",
+    };
+    Some(format!(
+        "kinematic, brownian, 100,000 against 10 robots: {ratio:.2} x (goal {FLAT_GOAL}, stretch {FLAT_STRETCH}): {verdict}"
+    ))
 }

@@ -1,7 +1,8 @@
 //! The simulation: robots, physics, sensing, the Ev-ITER learner, worlds, runs and snapshots.
 //!
-//! Nothing here knows of files, clocks, threads or HTTP. A [`run::Run`] is a state machine that is
-//! stepped, saved and restored; the same spec and seed give the same bits on every machine.
+//! Nothing here knows of files, clocks or HTTP. A [`run::Run`] is a state machine that is stepped,
+//! saved and restored; the same spec and seed give the same bits on every machine and on any number
+//! of threads ([`crew`]).
 //!
 //! ```
 //! use std::sync::Arc;
@@ -29,11 +30,12 @@
 //!
 //! No file imports one above it, and none imports another in a circle. From the ground up:
 //!
-//! - Numbers: [`dimensions`], [`lanes`] (eight at a time), [`random`] (a number for each seed, site,
-//!   robot, purpose and counter).
+//! - Numbers: [`dimensions`], [`lanes`] (eight at a time), `backend` (which instructions), [`random`]
+//!   (a number for each seed, site, robot, purpose and counter), [`crew`] (threads).
 //! - Plain data: [`parameters`] (tables that document themselves), [`robot`] (body, wheels, sensors),
 //!   [`spec`] (what a run is made from), [`bodies`] (robots and objects, and what sensors read),
 //!   [`caps`] (what a learner may hold), `stages` (what a stage of a run is).
+//! - [`kept`]: what follows from arena and body alone, for the next run.
 //! - The physical side: [`sensors`], [`engine`] (what moves a robot), [`placement`] (where robots
 //!   start).
 //! - Learning: [`learn`] (the algorithms, each alone), [`controllers`] (what a robot can be doing),
@@ -43,11 +45,14 @@
 //!   a [`ValidSpec`] of a spec; [`metrics`] measures what was counted; [`run`] takes a spec through
 //!   its stages.
 
+mod backend;
 pub mod bodies;
 pub mod caps;
 pub mod controllers;
+pub mod crew;
 pub mod dimensions;
 pub mod engine;
+pub mod kept;
 pub mod lanes;
 pub mod learn;
 pub mod memory;

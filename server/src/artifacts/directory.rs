@@ -5,6 +5,7 @@ use std::io;
 use std::path::Path;
 
 use serde::Serialize;
+use swarm::kept::reachable_from;
 use swarm::run::Outcome;
 
 use super::files::{Maker, Material, RUN_FILES, RunFile};
@@ -82,9 +83,9 @@ fn files(finished: &Finished<'_>, timing: &Timing) -> Vec<(&'static str, Vec<u8>
         recording: _,
     } = *finished;
     let reachable = || {
-        let start = *spec.arena().starts().first()?;
-        let reachable = arenas::reachable(spec.arena(), start, spec.body_radius_m());
-        Some(reachable.mask.into())
+        let start = spec.arena().starts().first()?.position();
+        let reachable = reachable_from(spec.arena(), &[start], spec.body_radius_m());
+        Some(reachable.mask.clone().into())
     };
     let material = Material {
         spec,

@@ -17,7 +17,7 @@ use crate::artifacts::{self, Finished, Timing};
 use crate::channels::{ChannelSettings, Extent, External, FramePublisher};
 use crate::documents::{self, BuiltinArenas, ResolvedRun, Stretch};
 use crate::recording::{self, Begun, SharedRecorder, Tail};
-use crate::runner::{self, Checkpoints, Ended, MemoryBound, Pilot, Waits};
+use crate::runner::{self, Checkpoints, Ended, MemoryBound, Pilot, Threads, Waits};
 use crate::scheduler::findings_of;
 use crate::stop::Stop;
 
@@ -28,7 +28,8 @@ pub struct RunArguments {
     /// Directory to write, which must not exist, be empty or hold this very run.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Threads to use; the result does not depend on it [default: one a processor].
+    /// Threads to step on; few robots need one, and the result does not depend on it [default: one a
+    /// processor].
     #[arg(long, value_parser = super::values::threads)]
     threads: Option<usize>,
     /// Most bytes that the run may hold; one that comes to hold more fails [default: three quarters
@@ -58,12 +59,9 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
         checkpoint.remove();
         return output::say(format_args!("{out} is already complete for this spec"));
     }
-    if let Some(threads) = arguments.threads {
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build_global()
-            .context("cannot set the number of threads")?;
-    }
+    let threads = arguments
+        .threads
+        .unwrap_or_else(|| std::thread::available_parallelism().map_or(1, NonZeroUsize::get));
     let stop = Stop::on_signals(super::EXIT_FAILED.into())?;
 
     let (run, before) = start(&spec, &checkpoint)?;
@@ -78,7 +76,15 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let most = arguments.run_memory_bytes;
     let most = most.unwrap_or_else(|| runner::default_run_memory_bytes(NonZeroUsize::MIN));
     let pilot = Patient::open(&spec, arguments.external_name.as_deref(), &stop)?;
-    let Some(outcome) = finish(&mut work, pilot, &checkpoint, frames, most, &stop)? else {
+    let Some(outcome) = finish(
+        &mut work,
+        pilot,
+        &checkpoint,
+        frames,
+        (threads, most),
+        &stop,
+    )?
+    else {
         return Err(anyhow!("interrupted; the same command goes on from here").into());
     };
     let Spent { wall_s, cpu_s } = work.costs.spent();
@@ -86,7 +92,7 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
         wall_s,
         cpu_s,
         robot_steps: outcome.robot_steps,
-        threads: rayon::current_num_threads(),
+        threads: work.run.crew().threads(),
     };
     let recording = spec.record().map(|_| checkpoint.recording().whole);
     let finished = Finished {
@@ -231,7 +237,7 @@ fn finish(
     mut patient: Option<Patient<'_>>,
     checkpoint: &Arc<Checkpoint>,
     mut frames: Option<FramePublisher>,
-    run_memory_bytes: u64,
+    (threads, run_memory_bytes): (usize, u64),
     stop: &Stop,
 ) -> anyhow::Result<Option<Outcome>> {
     let progress = work.run.progress();
@@ -245,6 +251,7 @@ fn finish(
         recorder,
         costs,
     } = work;
+    let mut threads = Threads::new(|| threads);
     let mut memory = MemoryBound::new(run_memory_bytes);
     let pilot = patient.as_mut().map(|patient| patient as &mut dyn Pilot);
     let take = |run: &Run| (run.snapshot(), costs.spent(), recorder.tail());
@@ -263,6 +270,7 @@ fn finish(
         pilot,
         &|| stop.is_asked(),
         &mut [
+            &mut threads,
             &mut memory,
             &mut meter,
             &mut frames,

@@ -1,31 +1,23 @@
-//! What is dear to make and asked for again: pictures, the squares that a robot can reach, and
-//! reports.
+//! What is dear to make and asked for again: pictures and reports.
 
 use std::hash::Hash;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use arenas::Arena;
 use bytes::Bytes;
 use hashlink::LruCache;
-use sha2::{Digest, Sha256};
 
 use crate::reproduce::Report;
 use crate::store::JobKey;
 
 /// Files kept, of some 50 kB each.
 const FILES: usize = 128;
-/// Masks kept, of a byte a square.
-const MASKS: usize = 64;
 /// Reports kept, of some megabytes each.
 const REPORTS: usize = 4;
-
-type Key = [u8; 32];
 
 /// The latest of each; the least recently used give way.
 pub struct Kept {
     /// By the tag of what they show.
     files: Mutex<LruCache<String, Bytes>>,
-    masks: Mutex<LruCache<Key, Option<Arc<[bool]>>>>,
     /// Of jobs that are done: these do not change, and no job's number is used again.
     reports: Mutex<LruCache<JobKey, Arc<Report>>>,
 }
@@ -34,7 +26,6 @@ impl Default for Kept {
     fn default() -> Self {
         Self {
             files: Mutex::new(LruCache::new(FILES)),
-            masks: Mutex::new(LruCache::new(MASKS)),
             reports: Mutex::new(LruCache::new(REPORTS)),
         }
     }
@@ -53,21 +44,6 @@ impl Kept {
         make: impl FnOnce() -> Result<Report, E>,
     ) -> Result<Arc<Report>, E> {
         kept(&self.reports, job, || make().map(Arc::new))
-    }
-
-    /// The squares that a robot of this radius can reach from the arena's first start.
-    pub fn mask(&self, arena: &Arena, body_radius_m: f64) -> Option<Arc<[bool]>> {
-        let mut hash = Sha256::new();
-        hash.update(body_radius_m.to_le_bytes());
-        hash.update(arena.content_key());
-        let made: Result<_, std::convert::Infallible> =
-            kept(&self.masks, hash.finalize().into(), || {
-                let start = arena.starts().first();
-                let mask = start.map(|start| arenas::reachable(arena, *start, body_radius_m).mask);
-                Ok(mask.map(Arc::from))
-            });
-        let Ok(mask) = made;
-        mask
     }
 }
 

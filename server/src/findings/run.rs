@@ -5,6 +5,7 @@ use std::sync::Arc;
 use arenas::Arena;
 use bytes::Bytes;
 use sha2::{Digest, Sha256};
+use swarm::kept::reachable_from;
 
 use super::{Assembler, FindingsError};
 use crate::artifacts::{Maker, Material, RunFile};
@@ -133,7 +134,9 @@ impl Assembler {
 
     /// The squares that a robot of this radius can reach from the arena's first start.
     pub fn mask(&self, arena: &Arena, body_radius_m: f64) -> Option<Arc<[bool]>> {
-        self.kept.mask(arena, body_radius_m)
+        let start = arena.starts().first()?.position();
+        let reachable = reachable_from(arena, &[start], body_radius_m);
+        Some(reachable.mask.clone().into())
     }
 }
 

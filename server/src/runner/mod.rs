@@ -10,7 +10,9 @@ mod pause;
 mod pilot;
 #[cfg(test)]
 mod tests;
+mod threads;
 
+use swarm::crew::Crew;
 use swarm::run::{Phase, Run};
 
 use block::Block;
@@ -20,6 +22,7 @@ pub use observer::{Ended, Observer, Stop, Waits};
 pub use pace::Pace;
 pub use pause::PauseAt;
 pub use pilot::Pilot;
+pub use threads::Threads;
 
 /// Steps a run to its end, until `is_stopping` says so between two blocks, or until an observer
 /// stops it. Observers are asked in their order.
@@ -43,6 +46,7 @@ pub fn step_by(
         Err(stop) => stop.into(),
     };
     for observer in observers {
+        observer.crew_leaves(run);
         observer.end(run, &ended);
     }
     ended
@@ -59,12 +63,25 @@ fn blocks(
     }
     let mut block = Block::default();
     let mut progress = run.progress();
+    let mut threads = 1;
     loop {
         if progress.phase == Phase::Done {
             return Ok(Ended::Done);
         }
         if is_stopping() {
             return Ok(Ended::Stopped);
+        }
+        let allowed = observers
+            .iter()
+            .filter_map(|observer| observer.threads_allowed())
+            .min();
+        let allowed = allowed.unwrap_or(1).min(run.spec().robots as usize);
+        if threads != allowed {
+            for observer in observers.iter_mut() {
+                observer.crew_leaves(run);
+            }
+            run.set_crew(Crew::new(allowed));
+            threads = allowed;
         }
         let step = run.step();
         let wanted = observers

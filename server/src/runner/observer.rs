@@ -26,6 +26,17 @@ pub trait Observer {
         None
     }
 
+    /// Most threads that the next block may use; the least that any observer says counts, and one
+    /// where none says anything.
+    fn threads_allowed(&self) -> Option<usize> {
+        None
+    }
+
+    /// Before the run's threads become others, or none.
+    fn crew_leaves(&mut self, run: &Run) {
+        let _ = run;
+    }
+
     /// After each block.
     ///
     /// # Errors
@@ -50,6 +61,16 @@ impl<O: Observer> Observer for Option<O> {
 
     fn witness(&mut self) -> Option<&mut dyn Witness> {
         self.as_mut()?.witness()
+    }
+
+    fn threads_allowed(&self) -> Option<usize> {
+        self.as_ref()?.threads_allowed()
+    }
+
+    fn crew_leaves(&mut self, run: &Run) {
+        if let Some(observer) = self {
+            observer.crew_leaves(run);
+        }
     }
 
     fn after_block(&mut self, run: &Run, progress: &Progress) -> Result<(), Stop> {

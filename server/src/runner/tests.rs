@@ -146,3 +146,24 @@ fn an_observer_can_let_go() {
     let ended = step(&mut run, &|| false, &mut [&mut nobody, &mut Once]);
     assert_eq!((ended, run.step()), (Ended::Stopped, 1));
 }
+
+#[test]
+fn threads_that_come_and_go_change_no_result() {
+    let spec = json!({
+        "arena": { "from": "easy", "tile": [11, 11] }, "controller": { "method": "brownian" },
+        "robots": 1_100, "placement": "random", "epochs": 2, "steps_per_epoch": 150,
+    });
+    let run = || Run::new(resolve(&spec, &BuiltinArenas).unwrap().run_spec()).unwrap();
+    let mut alone = run();
+    alone.advance(u64::MAX);
+    let (mut shared, asked) = (run(), Cell::new(0));
+    let mut threads = Threads::new(|| {
+        asked.set(asked.get() + 1);
+        asked.get() % 3 + 1
+    });
+    let ended = step(&mut shared, &|| false, &mut [&mut threads]);
+    assert_eq!(ended, Ended::Done);
+    assert!(asked.get() > 3, "asked {} times", asked.get());
+    assert!(threads.cpu_s() > 0.0, "other threads did nothing");
+    assert_eq!(digest(&shared), digest(&alone));
+}

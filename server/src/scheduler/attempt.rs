@@ -5,18 +5,20 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use api::FieldError;
+use swarm::crew::Crew;
 use swarm::run::{Progress, Run};
 
 use super::SchedulerConfig;
 use super::counters::{CountedSteps, Counters};
 use super::live::{LiveRun, Views, findings_of};
+use super::spread::Spread;
 use crate::artifacts::{run_result, thread_cpu_s};
 use crate::channels::{AskError, Extent, External, FramePublisher};
 use crate::documents::{ResolvedRun, Stretch, parse, resolve};
 use crate::recording::{
     Begun, Keeper, SharedRecorder, Tail, begin, begin_at_origin, finish, first_whole_epoch, header,
 };
-use crate::runner::{self, Checkpoints, MemoryBound, PauseAt, Pilot, Stop, Waits};
+use crate::runner::{self, Checkpoints, MemoryBound, PauseAt, Pilot, Stop, Threads, Waits};
 use crate::store::{Checkpoint, ClaimedRun, Finished, Position, Store};
 use crate::watching::Watched;
 
@@ -37,6 +39,7 @@ pub fn attempt(
     counters: &Counters,
     claimed: &ClaimedRun,
     live: &LiveRun,
+    spread: &Spread,
 ) -> Ended {
     let start = Instant::now();
     let cpu_s = thread_cpu_s();
@@ -85,11 +88,15 @@ pub fn attempt(
     let mut memory = MemoryBound::new(config.run_memory_bytes);
     let mut steps = CountedSteps::new(counters, done_before);
     let mut pause = claimed.pause_at_step.map(PauseAt);
+    let is_large = Crew::useful_threads(run.spec().robots as usize) > 1;
+    let large = is_large.then(|| spread.large_run());
+    let mut threads = large.as_ref().map(|large| Threads::new(|| large.threads()));
     let ended = runner::step_by(
         &mut run,
         pilot,
         &|| live.is_stopping(),
         &mut [
+            &mut threads,
             &mut memory,
             &mut steps,
             &mut frames,
@@ -102,6 +109,7 @@ pub fn attempt(
         ],
     );
     drop(checkpoints);
+    let cpu_s = thread_cpu_s() - cpu_s + threads.as_ref().map_or(0.0, Threads::cpu_s);
     let steps = run.progress().robot_steps_done - done_before;
     if steps > 0 {
         live.set_pace(steps as f64 / start.elapsed().as_secs_f64().max(1e-9));
@@ -122,8 +130,7 @@ pub fn attempt(
             let finished = Finished {
                 result,
                 findings: findings_of(&run),
-                cpu_ns_per_robot_step: (steps > 0)
-                    .then(|| (thread_cpu_s() - cpu_s) * 1e9 / steps as f64),
+                cpu_ns_per_robot_step: (steps > 0).then(|| cpu_s * 1e9 / steps as f64),
             };
             Ended::Finished(Box::new(finished), last)
         }

@@ -18,6 +18,7 @@ mod live;
 mod progress;
 mod queue;
 mod retention;
+mod spread;
 mod submission;
 #[cfg(test)]
 mod tests;

@@ -13,6 +13,7 @@ use super::controllers;
 use super::counters::Counters;
 use super::live::{LiveRun, View};
 use super::queue::FairQueue;
+use super::spread::Spread;
 use crate::break_points::{Place, reach};
 use crate::channels::ChannelSettings;
 use tokio::sync::oneshot;
@@ -42,6 +43,7 @@ pub(super) struct Shared {
     pub(super) counters: Counters,
     pub(super) state: Mutex<State>,
     pub(super) changed: Condvar,
+    pub(super) spread: Spread,
 }
 
 #[derive(Default)]
@@ -73,6 +75,7 @@ impl Scheduler {
             counters: Counters::default(),
             state: Mutex::new(state),
             changed: Condvar::new(),
+            spread: Spread::new(workers),
         });
         let scheduler = Self {
             shared,
@@ -379,6 +382,7 @@ impl Shared {
             if let Some((job, run)) = state.queue.pop(|run| !state.live.contains_key(&run)) {
                 let live = Arc::new(LiveRun::new(state.pace));
                 state.live.insert(run, Arc::clone(&live));
+                self.spread.set_busy(state.live.len());
                 return Some((job, run, live));
             }
             guard = self
@@ -394,6 +398,7 @@ impl Shared {
             if let Some(live) = state.live.remove(&run) {
                 state.pace = live.pace();
             }
+            self.spread.set_busy(state.live.len());
         }
         self.changed.notify_all();
     }
@@ -402,7 +407,8 @@ impl Shared {
     pub(super) fn step(&self, claimed: &ClaimedRun, live: &LiveRun) {
         let _span = tracing::info_span!("run", id = claimed.id).entered();
         let stepping = AssertUnwindSafe(|| {
-            attempt::attempt(&self.store, &self.config, &self.counters, claimed, live)
+            let (store, config, counters) = (&self.store, &self.config, &self.counters);
+            attempt::attempt(store, config, counters, claimed, live, &self.spread)
         });
         let ended = catch_unwind(stepping).unwrap_or_else(|panic| Ended::Failed(said(&*panic)));
         match ended {

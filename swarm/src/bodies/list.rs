@@ -65,6 +65,11 @@ impl Bodies {
         (&mut self.stored, &self.numbers)
     }
 
+    /// The slot of the robot of each number.
+    pub(crate) fn slots(&self) -> &[u32] {
+        &self.slots
+    }
+
     /// Exchanges what two slots hold; [`Bodies::renumber`] has to follow.
     pub(crate) fn swap(&mut self, a: usize, b: usize) {
         self.stored.swap(a, b);

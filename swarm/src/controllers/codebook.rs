@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::backend::{Backend, Compiled};
 use crate::caps::MemoryPlan;
 use crate::dimensions::{PROXIMITY_SENSORS, SENSORI_MOTOR, WHEELS};
 use crate::learn::actuator_samples::ActuatorSamples;
@@ -56,25 +57,15 @@ impl Codebook {
     pub fn new(
         p: &ControllerParameters,
         vectors: &[[f32; SENSORI_MOTOR]],
-        (states, actions): (u32, u32),
+        clusters: (u32, u32),
         clustering: &mut Stream,
     ) -> Self {
-        let (sensors, commands) = (
-            Part::<SENSORI_MOTOR, 0>(vectors),
-            Part::<SENSORI_MOTOR, PROXIMITY_SENSORS>(vectors),
-        );
-        let states = kmeans::<PROXIMITY_SENSORS>(sensors, states, p, clustering).centres;
-        let actions = kmeans::<WHEELS>(commands, actions, p, clustering).centres;
-        let filling = Stream::new(clustering.bits());
-        let mut samples = ActuatorSamples::new(&actions, p.actuator_sample, filling);
-        for command in commands.each() {
-            samples.offer(actions.nearest(&command).0, command);
-        }
-        Self {
-            states,
-            actions,
-            samples,
-        }
+        Backend::detect().run(Making {
+            p,
+            vectors,
+            clusters,
+            clustering,
+        })
     }
 
     /// States and actions.
@@ -101,5 +92,43 @@ impl Codebook {
     /// Bytes held besides the value itself, exactly counted.
     pub fn heap_bytes(&self) -> u64 {
         self.states.heap_bytes() + self.actions.heap_bytes() + self.samples.heap_bytes()
+    }
+}
+
+/// What a codebook is made from.
+struct Making<'a> {
+    p: &'a ControllerParameters,
+    vectors: &'a [[f32; SENSORI_MOTOR]],
+    clusters: (u32, u32),
+    clustering: &'a mut Stream,
+}
+
+impl Compiled for Making<'_> {
+    type Output = Codebook;
+
+    #[inline(always)]
+    fn run(self) -> Codebook {
+        let Self {
+            p,
+            vectors,
+            clusters: (states, actions),
+            clustering,
+        } = self;
+        let (sensors, commands) = (
+            Part::<SENSORI_MOTOR, 0>(vectors),
+            Part::<SENSORI_MOTOR, PROXIMITY_SENSORS>(vectors),
+        );
+        let states = kmeans::<PROXIMITY_SENSORS>(sensors, states, p, clustering).centres;
+        let actions = kmeans::<WHEELS>(commands, actions, p, clustering).centres;
+        let filling = Stream::new(clustering.bits());
+        let mut samples = ActuatorSamples::new(&actions, p.actuator_sample, filling);
+        for command in commands.each() {
+            samples.offer(actions.nearest(&command).0, command);
+        }
+        Codebook {
+            states,
+            actions,
+            samples,
+        }
     }
 }

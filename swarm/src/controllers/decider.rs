@@ -11,6 +11,9 @@ use crate::learn::transition::Transition;
 use crate::random::{below, draw};
 use crate::spec::{ControllerParameters, Ties};
 
+/// In place of a command's place: the last command is held.
+const HELD: u32 = u32::MAX;
+
 /// Where a robot stands in its table: all of a phase-3 learner but codebook and table.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Decider {
@@ -20,7 +23,8 @@ pub struct Decider {
     hold_steps: u32,
     ties: Ties,
     scaling: Scaling,
-    /// The last transition; its `next` is the present state until an action is chosen.
+    /// The last transition; from the choice of an action to where it leads, its `next` is the place of
+    /// the command among the samples, or [`HELD`].
     last: Transition,
     state: u32,
     pub(super) action: u32,
@@ -65,17 +69,13 @@ impl Decider {
         self.state = codebook.states.nearest(&self.scaling.apply(reading)).0;
     }
 
-    /// The next command, by Alg. 5.
+    /// Chooses the next action and one of its commands, by Alg. 5, and asks for that.
     #[inline(always)]
-    pub fn act(
-        &mut self,
-        codebook: &Codebook,
-        repository: &Repository,
-        step: u64,
-    ) -> [f32; WHEELS] {
+    pub fn choose(&mut self, codebook: &Codebook, repository: &Repository, step: u64) {
         if self.held_steps > 0 {
             self.held_steps -= 1;
-            return self.command;
+            self.last.next = HELD;
+            return;
         }
         let bits = draw(self.key, step);
         let (eta_bits, action_bits) = (bits as u32 & 0xFFFF, (bits >> 8) as u32 & !0xFF);
@@ -89,7 +89,16 @@ impl Decider {
         };
         self.action = action;
         self.held_steps = self.hold_steps - 1;
-        self.command = codebook.samples.draw(action, sample_bits);
+        self.last.next = codebook.samples.place(action, sample_bits);
+        codebook.samples.expect_command(self.last.next);
+    }
+
+    /// The command that was chosen.
+    #[inline(always)]
+    pub fn act(&mut self, codebook: &Codebook) -> [f32; WHEELS] {
+        if self.last.next != HELD {
+            self.command = codebook.samples.command(self.last.next);
+        }
         self.command
     }
 

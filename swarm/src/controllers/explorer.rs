@@ -112,9 +112,16 @@ impl Explorer {
 }
 
 impl Controller for Explorer {
+    const IS_LARGE: bool = true;
+
     #[inline(always)]
-    fn act(&mut self, step: u64, _reading: &Reading) -> [f32; WHEELS] {
-        self.decider.act(&self.codebook, &self.repository, step)
+    fn choose(&mut self, step: u64, _reading: &Reading) {
+        self.decider.choose(&self.codebook, &self.repository, step);
+    }
+
+    #[inline(always)]
+    fn act(&mut self, _step: u64, _reading: &Reading) -> [f32; WHEELS] {
+        self.decider.act(&self.codebook)
     }
 
     #[inline(always)]
@@ -125,6 +132,7 @@ impl Controller for Explorer {
     #[inline(always)]
     fn expect_acting(&self) {
         self.repository.expect_choice(self.decider.state());
+        self.codebook.samples.expect_choice();
     }
 
     #[inline(always)]
@@ -171,6 +179,7 @@ mod tests {
             }
         }
         let act = |step| {
+            explorer.choose(step, &Reading::default());
             explorer.act(step, &Reading::default());
             explorer.decider().action()
         };

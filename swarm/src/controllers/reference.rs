@@ -53,7 +53,8 @@ impl Controller for Reference<'_> {
     fn act(&mut self, step: u64, _reading: &Reading) -> [f32; WHEELS] {
         let bits = draw(self.key, step);
         self.action = below(bits as u32, self.codebook.actions.len());
-        self.codebook.samples.draw(self.action, (bits >> 32) as u32)
+        let samples = &self.codebook.samples;
+        samples.command(samples.place(self.action, (bits >> 32) as u32))
     }
 
     #[inline(always)]

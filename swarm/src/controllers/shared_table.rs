@@ -19,9 +19,15 @@ use crate::spec::ControllerParameters;
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SharedTableExplorers {
     deciders: Vec<Decider>,
+    common: Common,
+    clusters_saturated: Vec<u64>,
+}
+
+/// The one codebook and the one table.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Common {
     codebook: Codebook,
     repository: Repository,
-    clusters_saturated: Vec<u64>,
 }
 
 impl SharedTableExplorers {
@@ -46,8 +52,10 @@ impl SharedTableExplorers {
             .unzip();
         Self {
             deciders,
-            codebook,
-            repository,
+            common: Common {
+                codebook,
+                repository,
+            },
             clusters_saturated,
         }
     }
@@ -57,24 +65,24 @@ impl SharedTableExplorers {
         for decider in &mut self.deciders {
             decider.retune(p);
         }
-        self.repository.retune(p);
+        self.common.repository.retune(p);
     }
 
     /// Starts a trajectory from the sensors read at its beginning.
     pub fn begin_trajectory(&mut self, bodies: &Bodies) {
         for (decider, body) in self.deciders.iter_mut().zip(bodies.iter()) {
-            decider.begin_trajectory(&self.codebook, &body.reading);
+            decider.begin_trajectory(&self.common.codebook, &body.reading);
         }
     }
 
     /// The common states, actions and commands.
     pub fn codebook(&self) -> &Codebook {
-        &self.codebook
+        &self.common.codebook
     }
 
     /// The common table.
     pub fn repository(&self) -> &Repository {
-        &self.repository
+        &self.common.repository
     }
 
     /// Where each robot stands in the table; index is the robot's number.
@@ -104,7 +112,7 @@ impl SharedTableExplorers {
     }
 
     fn common_bytes(&self) -> u64 {
-        self.codebook.heap_bytes() + self.repository.heap_bytes()
+        self.common.codebook.heap_bytes() + self.common.repository.heap_bytes()
     }
 }
 
@@ -125,19 +133,29 @@ fn merge(common: &mut Repository, robots: &[Explorer], i: u32, j: u32) {
 }
 
 impl Controllers for SharedTableExplorers {
+    type Robot = Decider;
+    type Common = Common;
+    const ARE_LARGE: bool = false;
+    const ENDS_STEPS: bool = true;
+
     #[inline(always)]
-    fn len(&self) -> usize {
-        self.deciders.len()
+    fn parts(&mut self) -> (&mut [Decider], &Common) {
+        (&mut self.deciders, &self.common)
     }
 
     #[inline(always)]
-    fn act(&mut self, robot: usize, step: u64, _reading: &Reading) -> [f32; WHEELS] {
-        self.deciders[robot].act(&self.codebook, &self.repository, step)
+    fn choose(common: &Common, robot: &mut Decider, step: u64, _: &Reading) {
+        robot.choose(&common.codebook, &common.repository, step);
     }
 
     #[inline(always)]
-    fn learn(&mut self, robot: usize, reading: &Reading) {
-        self.deciders[robot].arrive(&self.codebook, reading);
+    fn act(common: &Common, robot: &mut Decider, _: u64, _: &Reading) -> [f32; WHEELS] {
+        robot.act(&common.codebook)
+    }
+
+    #[inline(always)]
+    fn learn(common: &Common, robot: &mut Decider, reading: &Reading) {
+        robot.arrive(&common.codebook, reading);
     }
 
     fn end_step(&mut self, _step: u64, _bodies: &Bodies) {
@@ -147,7 +165,7 @@ impl Controllers for SharedTableExplorers {
                 action,
                 next,
             } = decider.last();
-            self.repository.record(state, action, next);
+            self.common.repository.record(state, action, next);
         }
     }
 }

@@ -56,20 +56,34 @@ impl Contact {
     /// Moves a body from a place free of walls (`from_m`) to where it wants to be (`x_m`, `y_m`).
     #[inline(always)]
     pub fn move_body(&self, index: &WallIndex, body: &mut Body) {
-        let walls = index.touchable(body.x_m, body.y_m);
+        let to_m = [body.x_m, body.y_m];
+        ([body.x_m, body.y_m], body.touched) = self.free_of_walls(index, body.from_m, to_m);
+    }
+
+    /// Where a body ends that goes from a place free of walls to another place, and whether a wall
+    /// is in its way.
+    #[inline(always)]
+    pub fn free_of_walls(
+        &self,
+        index: &WallIndex,
+        from_m: [f32; 2],
+        [x_m, y_m]: [f32; 2],
+    ) -> ([f32; 2], bool) {
+        let walls = index.touchable(x_m, y_m);
         let reach = self.radius_m - self.slop_m;
         let mut closest2 = f32::INFINITY;
         for &number in walls {
-            let (_, _, d2) = index.wall(number).nearest(body.x_m, body.y_m);
+            let (_, _, d2) = index.wall(number).nearest(x_m, y_m);
             closest2 = if d2 < closest2 { d2 } else { closest2 };
         }
-        body.touched = closest2 < reach * reach;
-        if body.touched {
-            [body.x_m, body.y_m] = self.push_out(index, walls, body.from_m, [body.x_m, body.y_m]);
+        if closest2 < reach * reach {
+            (self.push_out(index, walls, from_m, [x_m, y_m]), true)
+        } else {
+            ([x_m, y_m], false)
         }
     }
 
-    /// The part of [`Contact::move_body`] that runs only in contact.
+    /// The part of [`Contact::free_of_walls`] that runs only in contact.
     #[inline(never)]
     fn push_out(&self, index: &WallIndex, walls: &[u32], from: [f32; 2], to: [f32; 2]) -> [f32; 2] {
         let [mut x, mut y] = to;

@@ -1,8 +1,10 @@
 //! The two physics engines: what moves a robot that wants to go somewhere.
 
+pub mod cells;
 pub mod crowd;
 pub mod drive;
 pub mod kinematic;
+pub mod near;
 pub mod rapier;
 
 use arenas::Arena;

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::centres::Centres;
 use crate::dimensions::WHEELS;
+use crate::prefetch::prefetch;
 use crate::random::{Stream, below};
 
 /// For each actuator cluster at most `cap` of the commands that fell in it, equally likely.
@@ -81,11 +82,30 @@ impl ActuatorSamples {
         }
     }
 
-    /// A command of the cluster's sample, chosen by 32 uniform bits; its centre when it is empty.
+    /// Place of a command of the cluster's sample, chosen by 32 uniform bits; that of its centre when
+    /// the sample is empty.
     #[inline(always)]
-    pub fn draw(&self, cluster: u32, bits: u32) -> [f32; WHEELS] {
+    pub fn place(&self, cluster: u32, bits: u32) -> u32 {
         let held = self.offered[cluster as usize].clamp(1, u64::from(self.cap)) as u32;
-        self.commands[cluster as usize * self.cap as usize + below(bits, held) as usize]
+        cluster * self.cap + below(bits, held)
+    }
+
+    /// The command of a place.
+    #[inline(always)]
+    pub fn command(&self, place: u32) -> [f32; WHEELS] {
+        self.commands[place as usize]
+    }
+
+    /// Asks for the memory that choosing a place needs.
+    #[inline(always)]
+    pub fn expect_choice(&self) {
+        prefetch(&self.offered[..]);
+    }
+
+    /// Asks for a command.
+    #[inline(always)]
+    pub fn expect_command(&self, place: u32) {
+        prefetch(&self.commands[place as usize]);
     }
 
     /// Actions that there are samples of.
@@ -117,8 +137,8 @@ mod tests {
         let mut samples = ActuatorSamples::new(&centres, 4, Stream::new(1));
         samples.offer(1, [0.75, 0.0]);
         for bits in [0, 1 << 31, u32::MAX] {
-            assert_eq!(samples.draw(0, bits), [0.25, -0.5]);
-            assert_eq!(samples.draw(1, bits), [0.75, 0.0]);
+            assert_eq!(samples.command(samples.place(0, bits)), [0.25, -0.5]);
+            assert_eq!(samples.command(samples.place(1, bits)), [0.75, 0.0]);
         }
     }
 
@@ -133,7 +153,8 @@ mod tests {
                 samples.offer(0, [-1.0; 2]);
                 samples.offer(1, [i as f32; 2]);
             }
-            drawn[samples.draw(1, bits.bits() as u32)[0] as usize] += 1;
+            let place = samples.place(1, bits.bits() as u32);
+            drawn[samples.command(place)[0] as usize] += 1;
         }
         assert!(drawn.iter().all(|n| (n - 1_000).abs() < 150), "{drawn:?}");
     }

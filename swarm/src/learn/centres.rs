@@ -146,6 +146,7 @@ impl<const D: usize> Centres<D> {
 
     /// As [`Self::nearest`], with the squared distance of the second nearest centre as well
     /// (infinity when there is none, the same when two are as near).
+    #[inline(always)]
     pub fn nearest_two(&self, x: &[f32; D]) -> (u32, f32, f32) {
         let mut best = F8::splat(f32::INFINITY);
         let mut second = best;

@@ -1,5 +1,6 @@
 //! All robots' learners in the stage that a run is in, and how one stage's become the next's.
 
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::plan::Decision;
@@ -8,6 +9,7 @@ use crate::caps::MemoryPlan;
 use crate::controllers::{
     Babbler, Brownian, Codebook, Crawler, Decider, Explorer, Replayer, SharedTableExplorers, Watch,
 };
+use crate::crew::Crew;
 use crate::dimensions::WHEELS;
 use crate::learn::archive::Archive;
 use crate::learn::repository::Repository;
@@ -61,6 +63,7 @@ struct Maker<'a> {
     spec: &'a RunSpec,
     plan: &'a MemoryPlan,
     parameters: ControllerParameters,
+    crew: &'a Crew,
 }
 
 impl Maker<'_> {
@@ -106,7 +109,7 @@ impl Maker<'_> {
 
     /// Phase 2 but for the replay: explorers with empty tables, one for each robot that watched,
     /// and what goes with each. A watch is let go before its robot's table is made.
-    fn explorers<T>(&self, watched: Vec<(Watch, T)>) -> Vec<(Explorer, T)> {
+    fn explorers<T: Send>(&self, watched: Vec<(Watch, T)>) -> Vec<(Explorer, T)> {
         let p = &self.parameters;
         let clustering = |robot: &Streams| robot.stream(Site::Training, Purpose::Clustering);
         let common = (self.spec.sharing != Sharing::None).then(|| {
@@ -131,7 +134,14 @@ impl Maker<'_> {
             let key = robot.key(Site::Target, Purpose::Action);
             (Explorer::new(p, key, codebook, saturated), rest)
         };
-        exactly(self.robots().zip(watched).map(explorer))
+        let each = self.robots().zip(watched);
+        match self.crew.pool() {
+            Some(pool) => {
+                let each: Vec<_> = each.collect();
+                pool.install(|| each.into_par_iter().map(explorer).collect())
+            }
+            None => exactly(each.map(explorer)),
+        }
     }
 
     /// The learners of phase 3.
@@ -191,10 +201,17 @@ impl Learners {
     /// # Panics
     /// When the stage cannot follow the one before: `stages` knows no such order, and learners that
     /// do not [suit](Self::suit) their stage are not restored.
-    pub fn begin(before: Option<Self>, stage: &Stage, spec: &RunSpec, plan: &MemoryPlan) -> Self {
+    pub fn begin(
+        before: Option<Self>,
+        stage: &Stage,
+        spec: &RunSpec,
+        plan: &MemoryPlan,
+        crew: &Crew,
+    ) -> Self {
         let make = Maker {
             spec,
             plan,
+            crew,
             parameters: plan.applied_to(&spec.controller.parameters),
         };
         let method = spec.controller.method;

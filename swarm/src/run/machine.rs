@@ -14,7 +14,9 @@ use super::tracks::{MOST_SAMPLES, Time, Tracks};
 use super::venue::{TARGET, TRAINING, Venue, sites};
 use crate::bodies::Bodies;
 use crate::caps::MemoryPlan;
+use crate::crew::Crew;
 use crate::dimensions::WHEELS;
+use crate::kept;
 use crate::methods::Explores;
 use crate::random::Site;
 use crate::spec::{FieldError, RunSpec};
@@ -35,7 +37,9 @@ pub struct Run {
     pub(super) metrics: Vec<MetricsRow>,
     pub(super) tracks: Tracks,
     /// Squares in reach, found when first asked for.
-    pub(super) reachable: OnceLock<Reachable>,
+    pub(super) reachable: OnceLock<Arc<Reachable>>,
+    /// Threads that work may be spread over.
+    pub(super) crew: Crew,
     /// Sensori-motor clusters that phase 1 ended with.
     pub(super) sensori_motor_clusters: u32,
 }
@@ -62,14 +66,16 @@ impl Run {
             .map(|(arena, site)| Venue::new(&spec, &memory, arena, site))
             .collect::<Result<_, _>>()
             .map_err(|error| vec![error])?;
+        let crew = Crew::default();
         let mut run = Self {
             reachable: OnceLock::new(),
-            learners: Learners::begin(None, &stages[0], &spec, &memory),
+            learners: Learners::begin(None, &stages[0], &spec, &memory, &crew),
             position: RunPosition::default(),
             curve: Vec::new(),
             metrics: Vec::new(),
             tracks: Tracks::default(),
             sensori_motor_clusters: 0,
+            crew,
             memory,
             spec,
             stages,
@@ -173,7 +179,8 @@ impl Run {
         if let Some(clusters) = learners.sensori_motor_clusters() {
             self.sensori_motor_clusters = clusters;
         }
-        self.learners = Learners::begin(Some(learners), &stage, &self.spec, &self.memory);
+        let (spec, plan) = (&self.spec, &self.memory);
+        self.learners = Learners::begin(Some(learners), &stage, spec, plan, &self.crew);
         self.enter_stage();
     }
 
@@ -182,7 +189,7 @@ impl Run {
         let Some(stage) = self.stage() else { return };
         if stage.phase == Phase::Repository && stage.site == Site::Training {
             // The replay gives the trajectories of phase 1 back, so it must meet the same noise.
-            self.venues[TRAINING].begin_again(&self.spec);
+            self.venues[TRAINING].begin_again(&self.spec, &self.crew);
         }
         if stage.counts() {
             self.resume_counting();
@@ -356,7 +363,7 @@ impl Run {
         self.reachable.get_or_init(|| {
             let radius_m = self.spec.robot.parameters.body_radius_m;
             let starts = self.venues[TARGET].start_positions(&self.spec);
-            arenas::reachable_from(&self.spec.arena, &starts, radius_m)
+            kept::reachable_from(&self.spec.arena, &starts, radius_m)
         })
     }
 
@@ -389,6 +396,19 @@ impl Run {
     /// What each robot's learner holds right now; index is the robot's number.
     pub fn memory(&self) -> Vec<RobotMemory> {
         self.learners.memory(&self.memory, &self.spec.sharing)
+    }
+
+    /// Spreads the work on over these threads, where there is enough of it; results stay the same.
+    pub fn set_crew(&mut self, crew: Crew) {
+        for venue in &mut self.venues {
+            venue.world.set_crew(&crew);
+        }
+        self.crew = crew;
+    }
+
+    /// The threads that work may be spread over.
+    pub fn crew(&self) -> &Crew {
+        &self.crew
     }
 
     /// Steps with other instructions than the machine's best; results stay the same.

@@ -4,6 +4,7 @@
 mod continued;
 mod learnt;
 mod sharing;
+mod threads;
 
 use std::sync::Arc;
 

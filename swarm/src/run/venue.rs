@@ -7,6 +7,7 @@ use nalgebra::Point2;
 
 use crate::bodies::StartPose;
 use crate::caps::MemoryPlan;
+use crate::crew::Crew;
 use crate::placement::place;
 use crate::random::{Purpose, Site, stream_key};
 use crate::sharing::radio::Radio;
@@ -122,7 +123,7 @@ impl Venue {
     }
 
     /// Starts over, noise and all, as if the arena had never been used.
-    pub fn begin_again(&mut self, spec: &RunSpec) {
+    pub fn begin_again(&mut self, spec: &RunSpec, crew: &Crew) {
         let starts = self.starts.clone();
         self.world = World::new(
             &self.ground,
@@ -132,5 +133,6 @@ impl Venue {
             spec.seed,
             self.site,
         );
+        self.world.set_crew(crew);
     }
 }

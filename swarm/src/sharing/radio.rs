@@ -262,29 +262,39 @@ pub struct RadioControllers<'a, P> {
 }
 
 impl<P: Tell> Controllers for RadioControllers<'_, P> {
+    type Robot = P;
+    type Common = ();
+    const ARE_LARGE: bool = P::IS_LARGE;
+    const ENDS_STEPS: bool = true;
+
     #[inline(always)]
-    fn len(&self) -> usize {
-        self.controllers.len()
+    fn parts(&mut self) -> (&mut [P], &()) {
+        (self.controllers, &())
     }
 
     #[inline(always)]
-    fn act(&mut self, robot: usize, step: u64, reading: &Reading) -> [f32; WHEELS] {
-        self.controllers[robot].act(step, reading)
+    fn choose((): &(), robot: &mut P, step: u64, reading: &Reading) {
+        robot.choose(step, reading);
     }
 
     #[inline(always)]
-    fn learn(&mut self, robot: usize, reading: &Reading) {
-        self.controllers[robot].learn(reading);
+    fn act((): &(), robot: &mut P, step: u64, reading: &Reading) -> [f32; WHEELS] {
+        robot.act(step, reading)
     }
 
     #[inline(always)]
-    fn expect_acting(&self, robot: usize) {
-        self.controllers[robot].expect_acting();
+    fn learn((): &(), robot: &mut P, reading: &Reading) {
+        robot.learn(reading);
     }
 
     #[inline(always)]
-    fn expect_learning(&self, robot: usize) {
-        self.controllers[robot].expect_learning();
+    fn expect_acting(robot: &P) {
+        robot.expect_acting();
+    }
+
+    #[inline(always)]
+    fn expect_learning(robot: &P) {
+        robot.expect_learning();
     }
 
     fn end_step(&mut self, step: u64, bodies: &Bodies) {

@@ -1,4 +1,5 @@
-//! Robots in one arena: their state, and the phases of a step (in `step.rs`).
+//! Robots in one arena: their state, and the phases of a step (`step.rs`,
+//! `phases.rs`; on several threads `shared.rs`).
 //!
 //! [`WorldState`] is what a snapshot holds; everything else in [`World`] is derived from the spec
 //! or is scratch. A robot's state lies together in two cache lines: eight lanes are the eight rays
@@ -7,6 +8,8 @@
 
 mod grid;
 mod object_grid;
+mod phases;
+mod shared;
 mod step;
 mod tally;
 #[cfg(test)]
@@ -22,11 +25,14 @@ use grid::Grid;
 use object_grid::ObjectGrid;
 pub use tally::{SAMPLED_ROBOTS, Tally};
 
+pub use crate::backend::Backend;
 pub use crate::bodies::{Bodies, Body, ObjectPose, Objects, StartPose};
+use crate::crew::Crew;
 use crate::engine::EngineState;
 use crate::engine::crowd::Crowd;
 use crate::engine::drive::Drive;
 use crate::engine::kinematic::Contact;
+use crate::kept::wall_index;
 use crate::random::{Purpose, Site, stream_key};
 use crate::robot::RobotModel;
 use crate::sensors::proximity::Optics;
@@ -54,26 +60,6 @@ pub struct WorldState {
 /// Entries from which on a square counts for p1, p2, p5 and p10.
 pub const COVERAGE_LEVELS: [u32; 4] = [1, 2, 5, 10];
 
-/// Which instructions the step loop is compiled for. All give the same bits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Backend {
-    /// The baseline of the target.
-    Portable,
-    /// 256-bit vectors.
-    Avx2,
-}
-
-impl Backend {
-    /// The best that this machine has.
-    pub fn detect() -> Self {
-        #[cfg(target_arch = "x86_64")]
-        if std::arch::is_x86_feature_detected!("avx2") {
-            return Backend::Avx2;
-        }
-        Backend::Portable
-    }
-}
-
 /// Robots in one arena.
 pub struct World {
     state: WorldState,
@@ -97,9 +83,15 @@ pub struct World {
     settled_steps: u32,
     /// Slots of the robots in squares in which no step has been counted so far.
     arrivals: Vec<u32>,
+    /// Counter of the noise of the sensors that are being read.
+    noise: u64,
+    /// Threads that steps may be spread over.
+    crew: Crew,
+    /// Squares by slot, with a mark where they were entered; only while several threads step.
+    squares: Vec<u32>,
 }
 
-/// What every world of one arena and robot shares: built once, read by all.
+/// What every world of one arena and robot shares: built once as long as it is kept, read by all.
 #[derive(Clone)]
 pub struct Ground {
     /// The arena.
@@ -111,15 +103,9 @@ pub struct Ground {
 impl Ground {
     /// Indexes an arena for a robot.
     pub fn new(arena: Arc<Arena>, model: &RobotModel) -> Self {
-        let index = WallIndex::new(
-            &arena,
-            Contact::wall_margin_m(model),
-            model.sensor_reach_m() + 1e-4,
-        );
-        Self {
-            arena,
-            index: Arc::new(index),
-        }
+        let (contact_m, reach_m) = (Contact::wall_margin_m(model), model.sensor_reach_m() + 1e-4);
+        let index = wall_index(&arena, contact_m, reach_m);
+        Self { arena, index }
     }
 }
 
@@ -199,6 +185,9 @@ impl World {
             crowd,
             settled_steps: 0,
             arrivals: Vec::with_capacity(n),
+            noise: 0,
+            crew: Crew::default(),
+            squares: Vec::new(),
         }
     }
 
@@ -252,10 +241,12 @@ impl World {
 
     /// Runs the step loop with other instructions than the best; results stay the same.
     pub fn set_backend(&mut self, backend: Backend) {
-        self.backend = match backend {
-            Backend::Avx2 => Backend::detect(),
-            Backend::Portable => Backend::Portable,
-        };
+        self.backend = backend.or_portable();
+    }
+
+    /// Spreads steps over these threads, where the world is large enough; results stay the same.
+    pub fn set_crew(&mut self, crew: &Crew) {
+        self.crew = crew.clone();
     }
 
     /// Whether visits and collisions count from now on.

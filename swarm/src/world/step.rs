@@ -1,23 +1,50 @@
-//! The phases of a step: decide and drive, collide, account, sense, learn.
+//! A step: decide and drive, collide, account, sense, learn.
 //!
-//! Every phase takes each robot by itself, from state that no other robot changes in that phase, so
-//! the order of robots cannot matter. They are taken in the order in which they are stored, which
-//! is put in the order of cells now and then, so that what is read together stays in the cache.
+//! Robots are taken in the order in which they are stored, which is put in the order of cells now
+//! and then, and in chunks, so that what is read together stays in the cache. What a robot does at
+//! the end of a step and at the beginning of the next needs no other robot, and is done in one go.
 
-use super::{Backend, World, WorldState};
+use super::phases::{ByNumber, Moves, Phases};
+use super::{World, WorldState};
+use crate::backend::Compiled;
+use crate::bodies::{Bodies, Body};
 use crate::controllers::{Controller, Controllers};
 use crate::engine::EngineState;
-use crate::random::{mix64, unit};
+use crate::engine::cells::Cells;
+use crate::engine::near::{CHUNK, Near};
 
 /// Odd, close to 2^64 / golden ratio: spreads counters over all words.
 const SPREAD: u64 = 0x9E37_79B9_7F4A_7C15;
 
-/// How many robots ahead learners are told that their turn comes.
-const AHEAD: usize = 4;
-
 /// Steps after which robots are stored in the order of their cells again: by then the fastest are
 /// some rows of cells away from those that they are stored with.
 const SETTLED_STEPS: u32 = 256;
+
+/// What is done of a step's parts on the way through all robots.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) struct Pass {
+    /// Account, sense and learn: the end of a step.
+    pub ends: bool,
+    /// Decide, drive and move: the beginning of this step.
+    pub begins: Option<u64>,
+}
+
+impl Pass {
+    /// The way through all robots at the end of the step before `step`.
+    pub fn ending<C: Controllers + ?Sized>(step: u64, left: u64) -> Self {
+        Self {
+            ends: true,
+            begins: (left > 0 && !C::ENDS_STEPS).then_some(step),
+        }
+    }
+
+    pub const fn beginning(step: u64) -> Self {
+        Self {
+            ends: false,
+            begins: Some(step),
+        }
+    }
+}
 
 impl World {
     /// Moves every robot `steps` times; `controllers` has one entry a robot.
@@ -27,100 +54,125 @@ impl World {
 
     /// As [`World::advance`], with robots that may have to do with each other.
     pub fn advance_all<C: Controllers + ?Sized>(&mut self, controllers: &mut C, steps: u64) {
-        assert_eq!(controllers.len(), self.robots(), "one controller a robot");
-        match self.backend {
-            #[cfg(target_arch = "x86_64")]
-            // SAFETY: `Avx2` is only ever set after detection.
-            Backend::Avx2 => unsafe { advance_avx2(self, controllers, steps) },
-            _ => self.steps(controllers, steps),
+        let robots = self.robots();
+        assert_eq!(
+            controllers.parts().0.len(),
+            robots,
+            "one controller a robot"
+        );
+        match self.crew.for_world(robots) {
+            Some(pool) => pool.install(|| self.steps_shared(controllers, steps)),
+            None => self.backend.run(Alone {
+                world: self,
+                controllers,
+                steps,
+            }),
         }
     }
 
     /// Reads all sensors where robots stand.
     pub(super) fn sense_all(&mut self) {
-        match self.backend {
-            #[cfg(target_arch = "x86_64")]
-            // SAFETY: `Avx2` is only ever set after detection.
-            Backend::Avx2 => unsafe { sense_avx2(self) },
-            _ => self.sense(),
-        }
+        self.backend.run(Sense(self));
     }
 
     #[inline(always)]
     fn steps<C: Controllers + ?Sized>(&mut self, controllers: &mut C, steps: u64) {
-        for _ in 0..steps {
-            self.decide_and_drive(controllers);
-            self.collide();
-            self.account();
-            self.sense();
-            self.learn(controllers);
+        for left in (0..steps).rev() {
+            if left + 1 == steps || C::ENDS_STEPS {
+                self.pass(controllers, Pass::beginning(self.state.step));
+            }
+            self.collide(false);
+            self.before_sensing(false, |_, _| {});
+            self.pass(controllers, Pass::ending::<C>(self.state.step + 1, left));
+            self.after_accounting();
             controllers.end_step(self.state.step, &self.state.bodies);
             self.state.step += 1;
         }
     }
 
+    /// Takes all robots through some phases, chunk by chunk.
     #[inline(always)]
-    fn decide_and_drive<C: Controllers + ?Sized>(&mut self, controllers: &mut C) {
-        let step = self.state.step;
-        let drive = &self.drive;
-        let alone = matches!((&self.engine, &self.crowd), (EngineState::Kinematic, None));
-        let (bodies, numbers) = self.state.bodies.stored_mut();
-        for (i, body) in bodies.iter_mut().enumerate() {
-            if i + AHEAD < numbers.len() {
-                controllers.expect_acting(numbers[i + AHEAD] as usize);
+    fn pass<C: Controllers + ?Sized>(&mut self, controllers: &mut C, pass: Pass) {
+        let moves = self.moves();
+        let counting = self.counting && pass.ends;
+        let Parts {
+            phases,
+            bodies,
+            crowd,
+            counts,
+        } = Parts::of(self);
+        let WorldCounts {
+            visits,
+            collisions,
+            arrivals,
+        } = counts;
+        let mut account = |first, bodies: &mut [Body]| {
+            *collisions += phases.account(first, bodies, |slot, square, entered| {
+                if count_visit(visits, square, entered) {
+                    arrivals.push(slot as u32);
+                }
+            });
+        };
+        let (robots, common) = controllers.parts();
+        let Some((cells, near)) = crowd else {
+            let numbers = phases.numbers;
+            let mut steered = ByNumber { robots, numbers };
+            if counting {
+                account(0, bodies);
             }
-            let command = controllers.act(numbers[i] as usize, step, &body.reading);
-            body.command = command;
-            let left = drive.accelerate(body.wheels_rad_s[0], command[0]);
-            let right = drive.accelerate(body.wheels_rad_s[1], command[1]);
-            body.wheels_rad_s = [left, right];
-            let (mut ground_left, mut ground_right) = (left, right);
-            if drive.slips() {
-                let word = mix64(self.slip_keys[i].wrapping_add(mix64(step)));
-                ground_left = drive.slipped(left, unit(word as u32));
-                ground_right = drive.slipped(right, unit((word >> 32) as u32));
+            if pass.ends {
+                phases.sense_alone(bodies);
+                phases.learn::<C>(common, bodies, &mut steered);
             }
-            let motion = drive.step(ground_left, ground_right, body.cos, body.sin);
-            body.from_m = [body.x_m, body.y_m];
-            body.x_m += motion.dx_m;
-            body.y_m += motion.dy_m;
-            body.cos = motion.cos;
-            body.sin = motion.sin;
-            if alone {
-                self.contact.move_body(&self.index, body);
+            if let Some(step) = pass.begins {
+                phases.decide_and_drive::<C>(common, step, 0, bodies, &mut steered, moves);
+            }
+            return;
+        };
+        let chunks = bodies.chunks_mut(CHUNK).zip(near.chunks_mut());
+        for (chunk, (bodies, mut near)) in chunks.enumerate() {
+            let first = chunk * CHUNK;
+            let numbers = &phases.numbers[first..];
+            let mut steered = ByNumber { robots, numbers };
+            if counting {
+                account(first, bodies);
+            }
+            if pass.ends {
+                phases.sense(cells, first, bodies, &mut near);
+                phases.learn::<C>(common, bodies, &mut steered);
+            }
+            if let Some(step) = pass.begins {
+                phases.decide_and_drive::<C>(common, step, first, bodies, &mut steered, moves);
             }
         }
     }
 
+    /// When robots meet the walls.
     #[inline(always)]
-    fn learn<C: Controllers + ?Sized>(&mut self, controllers: &mut C) {
-        let (bodies, numbers) = self.state.bodies.stored_mut();
-        for (i, body) in bodies.iter().enumerate() {
-            if i + AHEAD < numbers.len() {
-                controllers.expect_learning(numbers[i + AHEAD] as usize);
-            }
-            controllers.learn(numbers[i] as usize, &body.reading);
+    pub(super) fn moves(&self) -> Moves {
+        match (&self.engine, &self.crowd) {
+            (EngineState::Kinematic, None) => Moves::AtOnce,
+            (EngineState::Kinematic, Some(_)) => Moves::AfterAll,
+            (EngineState::Rapier(_), _) => Moves::Elsewhere,
         }
     }
 
+    /// Lets robots that were driven meet each other; on the threads of the present pool where `shared`.
     #[inline(always)]
-    fn collide(&mut self) {
+    pub(super) fn collide(&mut self, shared: bool) {
         let bodies = &mut self.state.bodies;
         match (&mut self.engine, &mut self.crowd) {
-            // Moved as soon as it was driven.
             (EngineState::Kinematic, None) => {}
             (EngineState::Kinematic, Some(crowd)) => {
                 let (bodies, _) = bodies.stored_mut();
-                for body in bodies.iter_mut() {
-                    self.contact.move_body(&self.index, body);
-                }
-                crowd.separate(&self.contact, &self.index, bodies);
+                crowd.separate(&self.contact, &self.index, bodies, shared);
             }
             (EngineState::Rapier(engine), crowd) => {
                 engine.step(bodies);
                 if let Some(crowd) = crowd {
                     // rapier's contacts are soft: what is left of an overlap is parted here.
-                    crowd.separate(&self.contact, &self.index, bodies.stored_mut().0);
+                    let (stored, _) = bodies.stored_mut();
+                    crowd.separate(&self.contact, &self.index, stored, shared);
                     engine.correct(bodies);
                 }
                 let objects = &mut self.state.objects;
@@ -136,42 +188,40 @@ impl World {
         self.grid.square_of(x_m, y_m)
     }
 
+    /// Sorts robots into cells, and now and then stores them in that order; then `swapped` is told
+    /// which slots exchanged what they hold.
     #[inline(always)]
-    fn account(&mut self) {
-        if !self.counting {
-            return;
-        }
-        let grid = self.grid;
-        let WorldState {
-            bodies,
-            visits,
-            tally,
-            collisions,
-            ..
-        } = &mut self.state;
-        tally.step();
-        self.arrivals.clear();
-        let (stored, _) = bodies.stored_mut();
-        for (slot, body) in stored.iter_mut().enumerate() {
-            let square = grid.square_of(body.x_m, body.y_m);
-            let entered = square != body.square;
-            let (dx_m, dy_m) = (body.x_m - body.from_m[0], body.y_m - body.from_m[1]);
-            *collisions += u64::from(body.touched);
-            body.square = square;
-            body.distance_m += f64::from((dx_m * dx_m + dy_m * dy_m).sqrt());
-            let visit = &mut visits[square as usize];
-            visit[0] = visit[0].saturating_add(u32::from(entered));
-            // One test for both: the first step in the square, and the last that can be counted.
-            let steps = visit[1].wrapping_add(1);
-            if steps <= 1 {
-                self.arrivals.push(slot as u32);
+    pub(super) fn before_sensing(&mut self, shared: bool, swapped: impl FnMut(usize, usize)) {
+        if let Some(crowd) = &mut self.crowd {
+            let bodies = self.state.bodies.stored();
+            if shared {
+                crowd.cells.sort_in_strips(bodies);
             } else {
-                visit[1] = steps;
+                crowd.cells.sort(bodies);
             }
+            if self.settled_steps == 0 {
+                self.settled_steps = SETTLED_STEPS;
+                self.store_by_cell(swapped);
+            }
+            self.settled_steps -= 1;
         }
-        tally.see(bodies);
-        if !self.arrivals.is_empty() {
-            self.count_arrivals();
+        self.object_grid.update(&self.state.objects.poses);
+        self.noise = self.state.readings.wrapping_mul(SPREAD);
+        self.state.readings += 1;
+        if self.counting {
+            self.state.tally.step();
+            self.arrivals.clear();
+        }
+    }
+
+    /// Takes in which squares were entered first, and by whom.
+    #[inline(always)]
+    pub(super) fn after_accounting(&mut self) {
+        if self.counting {
+            self.state.tally.see(&self.state.bodies);
+            if !self.arrivals.is_empty() {
+                self.count_arrivals();
+            }
         }
     }
 
@@ -191,97 +241,142 @@ impl World {
         }
     }
 
-    /// Sorts robots into cells, and now and then stores them in that order.
-    #[inline(always)]
-    fn sort(&mut self) {
-        if let Some(crowd) = &mut self.crowd {
-            crowd.sort(self.state.bodies.stored());
-            if self.settled_steps == 0 {
-                self.settled_steps = SETTLED_STEPS;
-                self.store_by_cell();
-            }
-            self.settled_steps -= 1;
-        }
-    }
-
     #[inline(always)]
     fn sense(&mut self) {
-        self.sort();
-        let (optics, index) = (&self.optics, &*self.index);
-        let poses = &self.state.objects.poses[..];
-        self.object_grid.update(poses);
-        let objects = &self.object_grid;
-        let counter = self.state.readings.wrapping_mul(SPREAD);
-        self.state.readings += 1;
-        let (bodies, numbers) = self.state.bodies.stored_mut();
-        match &mut self.crowd {
-            None => {
-                for (body, key) in bodies.iter_mut().zip(&self.noise_keys) {
-                    let rays = optics.rays(body.x_m, body.y_m, body.cos, body.sin);
-                    let mut distance_m = optics.to_walls(&rays, index, body.x_m, body.y_m);
-                    if !poses.is_empty() {
-                        distance_m =
-                            objects.see(optics, poses, &rays, (body.x_m, body.y_m), distance_m);
-                    }
-                    body.reading.proximity = optics
-                        .respond(distance_m, mix64(key.wrapping_add(counter)))
-                        .0;
-                }
-            }
-            Some(crowd) => {
-                for (slot, body) in bodies.iter_mut().enumerate() {
-                    let (x_m, y_m) = (body.x_m, body.y_m);
-                    // Before the walls: who is in sight is not known at once, and needed after them.
-                    let robots = crowd.look_around(slot, x_m, y_m, numbers);
-                    let rays = optics.rays(x_m, y_m, body.cos, body.sin);
-                    let mut distance_m = optics.to_walls(&rays, index, x_m, y_m);
-                    for &[ox_m, oy_m] in robots {
-                        distance_m = optics.to_robot(&rays, ox_m, oy_m, distance_m);
-                    }
-                    if !poses.is_empty() {
-                        distance_m = objects.see(optics, poses, &rays, (x_m, y_m), distance_m);
-                    }
-                    let word = mix64(self.noise_keys[slot].wrapping_add(counter));
-                    body.reading.proximity = optics.respond(distance_m, word).0;
-                }
-            }
+        let counting = std::mem::replace(&mut self.counting, false);
+        self.before_sensing(false, |_, _| {});
+        self.counting = counting;
+        let Parts {
+            phases,
+            bodies,
+            crowd,
+            ..
+        } = Parts::of(self);
+        let Some((cells, near)) = crowd else {
+            phases.sense_alone(bodies);
+            return;
+        };
+        let chunks = bodies.chunks_mut(CHUNK).zip(near.chunks_mut());
+        for (chunk, (bodies, mut near)) in chunks.enumerate() {
+            phases.sense(cells, chunk * CHUNK, bodies, &mut near);
         }
     }
 
     /// Rebuilds the scratch that depends on positions.
     pub(super) fn find_neighbours(&mut self) {
-        if let Some(crowd) = &mut self.crowd {
-            let (bodies, numbers) = self.state.bodies.stored_mut();
-            crowd.sort(bodies);
-            for (slot, body) in bodies.iter().enumerate() {
-                crowd.look_around(slot, body.x_m, body.y_m, numbers);
-            }
-        }
+        let Some(crowd) = &mut self.crowd else { return };
+        let (bodies, numbers) = self.state.bodies.stored_mut();
+        crowd.cells.sort(bodies);
+        crowd.note_candidates(bodies, numbers);
     }
 
     /// Stores robots in the order of the cells into which they have just been sorted.
     #[inline(never)]
-    fn store_by_cell(&mut self) {
+    fn store_by_cell(&mut self, mut swapped: impl FnMut(usize, usize)) {
         let Some(crowd) = &mut self.crowd else { return };
-        crowd.settle(|a, b| {
+        crowd.cells.settle(|a, b| {
             self.state.bodies.swap(a, b);
             self.noise_keys.swap(a, b);
             if !self.slip_keys.is_empty() {
                 self.slip_keys.swap(a, b);
             }
+            swapped(a, b);
         });
         self.state.bodies.renumber();
     }
 }
 
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn advance_avx2<C: Controllers + ?Sized>(world: &mut World, controllers: &mut C, steps: u64) {
-    world.steps(controllers, steps);
+/// Counts a step in a square. Whether it has to be looked at again: the first step in the square, or
+/// as many as can be counted.
+#[inline(always)]
+pub(super) fn count_visit(visits: &mut [[u32; 2]], square: u32, entered: bool) -> bool {
+    let visit = &mut visits[square as usize];
+    visit[0] = visit[0].saturating_add(u32::from(entered));
+    // One test for both.
+    let steps = visit[1].wrapping_add(1);
+    if steps <= 1 {
+        return true;
+    }
+    visit[1] = steps;
+    false
 }
 
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn sense_avx2(world: &mut World) {
-    world.sense();
+/// A world taken apart for a way through all robots.
+pub(super) struct Parts<'a> {
+    pub phases: Phases<'a>,
+    pub bodies: &'a mut [Body],
+    /// Where there are several robots.
+    pub crowd: Option<(&'a Cells, &'a mut Near)>,
+    pub counts: WorldCounts<'a>,
+}
+
+/// What is counted of all robots together.
+pub(super) struct WorldCounts<'a> {
+    pub visits: &'a mut [[u32; 2]],
+    pub collisions: &'a mut u64,
+    pub arrivals: &'a mut Vec<u32>,
+}
+
+impl<'a> Parts<'a> {
+    #[inline(always)]
+    pub fn of(world: &'a mut World) -> Self {
+        let WorldState {
+            bodies,
+            visits,
+            collisions,
+            objects,
+            ..
+        } = &mut world.state;
+        let (bodies, numbers) = Bodies::stored_mut(bodies);
+        let crowd = world.crowd.as_mut();
+        Self {
+            phases: Phases {
+                optics: &world.optics,
+                index: &world.index,
+                drive: &world.drive,
+                contact: &world.contact,
+                grid: world.grid,
+                objects: &world.object_grid,
+                poses: &objects.poses,
+                noise_keys: &world.noise_keys,
+                slip_keys: &world.slip_keys,
+                numbers,
+                noise: world.noise,
+            },
+            bodies,
+            crowd: crowd.map(|crowd| (&crowd.cells, &mut crowd.near)),
+            counts: WorldCounts {
+                visits,
+                collisions,
+                arrivals: &mut world.arrivals,
+            },
+        }
+    }
+}
+
+/// Steps on the thread that asks for them.
+struct Alone<'a, C: ?Sized> {
+    world: &'a mut World,
+    controllers: &'a mut C,
+    steps: u64,
+}
+
+impl<C: Controllers + ?Sized> Compiled for Alone<'_, C> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.world.steps(self.controllers, self.steps);
+    }
+}
+
+struct Sense<'a>(&'a mut World);
+
+impl Compiled for Sense<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.0.sense();
+    }
 }
