@@ -152,7 +152,7 @@ impl Crowd {
         let push = |i: u32| {
             let (x_m, y_m) = push(i as usize, near, contact, diameter_m, bodies)?;
             let body = &bodies[i as usize];
-            let ([x_m, y_m], _) = contact.free_of_walls(index, body.from_m, [x_m, y_m]);
+            let [x_m, y_m] = contact.free_of_walls(index, body.from_m, [x_m, y_m]);
             Some((i, x_m, y_m))
         };
         self.moved.clear();
