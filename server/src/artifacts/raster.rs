@@ -46,6 +46,8 @@ pub fn png_of_rgb(rgb: &[u8], width: u32, height: u32) -> Vec<u8> {
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
+    // Encoding would be most of a short run otherwise.
+    encoder.set_compression(png::Compression::Fast);
     #[allow(
         clippy::expect_used,
         reason = "writing to memory cannot fail, and the data has the announced size"

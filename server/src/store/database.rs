@@ -1,5 +1,6 @@
 //! The open data directory: its database, its checkpoints and its lock.
 
+use std::ops::{Deref, DerefMut};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicU64;
 use std::sync::atomic::Ordering::Relaxed;
@@ -132,5 +133,62 @@ impl Store {
         let connection = self.connection.lock();
         self.waiting_writers.fetch_sub(1, Relaxed);
         connection.unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The connection for changes that are not waited for on disk: a crash of the machine may undo
+    /// the latest of them, one of the process does not.
+    pub(super) fn unsynced_connection(&self) -> Unsynced<'_> {
+        let connection = self.connection();
+        set_synchronous(&connection, "NORMAL");
+        Unsynced(connection)
+    }
+}
+
+/// See [`Store::unsynced_connection`].
+pub(super) struct Unsynced<'a>(MutexGuard<'a, Connection>);
+
+impl Deref for Unsynced<'_> {
+    type Target = Connection;
+
+    fn deref(&self) -> &Connection {
+        &self.0
+    }
+}
+
+impl DerefMut for Unsynced<'_> {
+    fn deref_mut(&mut self) -> &mut Connection {
+        &mut self.0
+    }
+}
+
+impl Drop for Unsynced<'_> {
+    fn drop(&mut self) {
+        set_synchronous(&self.0, "FULL");
+    }
+}
+
+/// It touches no file, so it fails for lack of memory alone.
+fn set_synchronous(connection: &Connection, how: &str) {
+    if let Err(error) = connection.pragma_update(None, "synchronous", how) {
+        tracing::error!(%error, how, "how the database waits for the disk cannot be set");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+    use super::*;
+
+    #[test]
+    fn only_changes_that_say_so_are_not_waited_for() {
+        let dir = tempfile::tempdir().unwrap();
+        let store = Store::open(dir.path()).unwrap();
+        let how = |connection: &Connection| -> i64 {
+            connection
+                .pragma_query_value(None, "synchronous", |row| row.get(0))
+                .unwrap()
+        };
+        assert_eq!(how(&store.unsynced_connection()), 1);
+        assert_eq!(how(&store.connection()), 2);
     }
 }

@@ -1,6 +1,6 @@
 //! What runs found: coverage while they run, and the result once they are done.
 
-use rusqlite::{OptionalExtension, params};
+use rusqlite::{Connection, OptionalExtension, params};
 use sha2::{Digest, Sha256};
 
 use super::findings::Findings;
@@ -17,6 +17,18 @@ pub struct Finished {
     pub findings: Findings,
     /// Processor time a robot-step, nanoseconds, of the last time that a worker held the run.
     pub cpu_ns_per_robot_step: Option<f64>,
+}
+
+/// Processor time that a crash of the machine may cost, seconds: runs that took less are not waited
+/// for on disk when they are done, as they can be run again to the same bits.
+const QUICK_S: f64 = 0.5;
+
+impl Finished {
+    fn is_quick(&self) -> bool {
+        let steps = self.result.steps as f64;
+        self.cpu_ns_per_robot_step
+            .is_some_and(|cost_ns| cost_ns * 1e-9 * steps < QUICK_S)
+    }
 }
 
 impl Store {
@@ -88,20 +100,40 @@ impl Store {
         let blobs = Blobs::of(&finished.findings);
         let result = serde_json::to_string(&finished.result)
             .map_err(|error| StoreError::unreadable("result", error))?;
-        let digest = Sha256::digest(&result);
-        let mut connection = self.connection();
-        let transaction = connection.transaction()?;
-        let changed = transaction
-            .prepare_cached(
-                "UPDATE runs SET state = 'done', phase = 'done', epochs_done = epochs_total,
+        if finished.is_quick() {
+            done(
+                &mut self.unsynced_connection(),
+                run,
+                finished,
+                &blobs,
+                &result,
+            )
+        } else {
+            done(&mut self.connection(), run, finished, &blobs, &result)
+        }
+    }
+}
+
+fn done(
+    connection: &mut Connection,
+    run: RunKey,
+    finished: &Finished,
+    blobs: &Blobs,
+    result: &str,
+) -> Result<bool, StoreError> {
+    let transaction = connection.transaction()?;
+    let changed = transaction
+        .prepare_cached(
+            "UPDATE runs SET state = 'done', phase = 'done', epochs_done = epochs_total,
                     robot_steps_done = ?2, robot_steps_total = ?2
                  WHERE seq = ?1 AND state IN ('queued', 'running', 'paused')",
-            )?
-            .execute(params![run, super::to_sql(finished.result.steps)])?;
-        if changed == 0 {
-            return Ok(false);
-        }
-        transaction
+        )?
+        .execute(params![run, super::to_sql(finished.result.steps)])?;
+    if changed == 0 {
+        return Ok(false);
+    }
+    let digest = Sha256::digest(result);
+    transaction
             .prepare_cached(
                 "INSERT INTO results (run, result, result_sha256, coverage, metrics, objects, cpu_ns_per_robot_step)
                  VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)",
@@ -115,7 +147,6 @@ impl Store {
                 blobs.objects,
                 finished.cpu_ns_per_robot_step
             ])?;
-        transaction.commit()?;
-        Ok(true)
-    }
+    transaction.commit()?;
+    Ok(true)
 }

@@ -170,8 +170,9 @@ impl Store {
     /// # Errors
     /// When the database fails.
     pub fn claim(&self, run: RunKey) -> Result<Option<ClaimedRun>, StoreError> {
+        // After a crash it waits again anyway.
         Ok(self
-            .connection()
+            .unsynced_connection()
             .prepare_cached(
                 "UPDATE runs SET state = 'running' WHERE seq = ?1 AND state = 'queued'
                  RETURNING seq, id, spec, pause_at_step, origin IS NOT NULL",
