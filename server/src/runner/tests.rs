@@ -150,7 +150,7 @@ fn an_observer_can_let_go() {
 #[test]
 fn threads_that_come_and_go_change_no_result() {
     let spec = json!({
-        "arena": { "from": "easy", "tile": [11, 11] }, "controller": { "method": "brownian" },
+        "arena": { "from": "easy", "tile": [10, 10] }, "controller": { "method": "brownian" },
         "robots": 1_100, "placement": "random", "epochs": 2, "steps_per_epoch": 150,
     });
     let run = || Run::new(resolve(&spec, &BuiltinArenas).unwrap().run_spec()).unwrap();
