@@ -1,5 +1,5 @@
 //! Benchmarks of the step loop (cases with goals, measured in turn, compared with earlier figures)
-//! load on the service, faults of it, and inputs at random.
+//! load on the service, its memory, faults of it, and inputs at random.
 
 pub mod cases;
 mod client;
@@ -9,6 +9,7 @@ pub mod faults;
 pub mod fuzz;
 pub mod instructions;
 pub mod measure;
+pub mod memory;
 pub mod picture;
 mod server;
 pub mod service;

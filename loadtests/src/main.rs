@@ -7,7 +7,9 @@ use anyhow::{Context, Result};
 use clap::{Parser, Subcommand};
 use loadtests::cases::{self, Case};
 use loadtests::measure::{Figure, measure};
-use loadtests::{compare, document, faults, fuzz, instructions, picture, service, table, threads};
+use loadtests::{
+    compare, document, faults, fuzz, instructions, memory, picture, service, table, threads,
+};
 use swarm::crew::Crew;
 
 /// Benchmarks of the step loop: CPU nanoseconds a robot-step, on one thread.
@@ -57,6 +59,8 @@ enum Other {
     Http(service::Options),
     /// The service killed again and again while jobs of all kinds are posted and changed.
     Faults(faults::Options),
+    /// What the server holds while many runs and jobs pass through it.
+    Memory(memory::Options),
     /// Documents and checkpoints changed at random: no panic, none above two seconds.
     Fuzz(fuzz::Options),
     /// One world on several threads.
@@ -68,6 +72,7 @@ fn main() -> Result<()> {
     match &options.other {
         Some(Other::Http(options)) => return service::run(options),
         Some(Other::Faults(options)) => return faults::run(options),
+        Some(Other::Memory(options)) => return memory::run(options),
         Some(Other::Fuzz(options)) => return fuzz::run(options),
         Some(Other::Threads(options)) => return threads::run(options),
         None => {}
