@@ -65,7 +65,9 @@ fn check(spec: &RunSpec) {
     }
     assert!(saved > 2, "no snapshot between");
     assert!(run.outcome().unwrap() == whole, "changing threads");
-    assert!(whole.collisions > 0, "nobody met anybody");
+    // Nobody steers robots that wait for a program outside.
+    let rests = spec.controller.method == Method::External;
+    assert!(rests || whole.collisions > 0, "nobody met anybody");
 }
 
 #[test]
