@@ -48,9 +48,11 @@ fn key(arena: &Arena, figures: &[f64]) -> Vec<u8> {
     key
 }
 
+type Values<V> = LruCache<Vec<u8>, (Arc<V>, usize)>;
+
 /// Values by key with their bytes; the ones used longest ago give way.
 struct Kept<V> {
-    values: Mutex<LruCache<Vec<u8>, (Arc<V>, usize)>>,
+    values: Mutex<Values<V>>,
 }
 
 impl<V> Kept<V> {
@@ -84,7 +86,7 @@ impl<V> Kept<V> {
         value
     }
 
-    fn values(&self) -> MutexGuard<'_, LruCache<Vec<u8>, (Arc<V>, usize)>> {
+    fn values(&self) -> MutexGuard<'_, Values<V>> {
         self.values.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
