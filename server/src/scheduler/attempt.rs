@@ -119,14 +119,14 @@ pub fn attempt(
         runner::Ended::Waiting(waits) => Some(waits),
         runner::Ended::Done | runner::Ended::Stopped => None,
     };
-    match run.outcome() {
-        Some(outcome) => {
+    match run.end() {
+        Some((outcome, last)) => {
             if let Err(why) = finish(&recorder) {
                 tracing::warn!(run = claimed.id, why, "the recording is not whole");
             }
             let result = run_result(&outcome);
             let keeps = store.finals().most_bytes() > 0;
-            let last = if keeps { run.snapshot() } else { Vec::new() };
+            let last = if keeps { last } else { Vec::new() };
             let finished = Finished {
                 result,
                 findings: findings_of(&run),

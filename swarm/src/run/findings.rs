@@ -1,5 +1,7 @@
 //! What a run has found, at any step and at its end.
 
+use sha2::{Digest, Sha256};
+
 use super::coverage::{counts_over, counts_within};
 use super::machine::Run;
 use super::metrics::{MetricsLog, RobotMetrics};
@@ -68,12 +70,19 @@ impl Run {
 
     /// What the run has to say, once all epochs are done.
     pub fn outcome(&self) -> Option<Outcome> {
+        Some(self.end()?.0)
+    }
+
+    /// The outcome, and the [`Run::snapshot`] that goes with it.
+    pub fn end(&self) -> Option<(Outcome, Vec<u8>)> {
         if self.stage().is_some() {
             return None;
         }
+        let state = self.state();
+        let state_sha256 = hex(&Sha256::digest(&state));
         let (sensor_clusters, actuator_clusters) = self.learners.clusters();
         let reachable = self.reachable();
-        Some(Outcome {
+        let outcome = Outcome {
             coverage: self.curve_row(self.spec.epochs),
             reachable: reachable.count,
             metrics: at_end(&Counted::new(&self.venues[TARGET].world, reachable)),
@@ -92,8 +101,9 @@ impl Run {
             memory_plan: self.memory.clone(),
             memory: self.memory(),
             objects: self.objects(),
-            state_sha256: hex(&self.state_digest()),
-        })
+            state_sha256,
+        };
+        Some((outcome, self.snapshot_of(state)))
     }
 }
 

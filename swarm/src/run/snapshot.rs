@@ -130,43 +130,42 @@ impl Run {
     /// Everything needed to go on, at any step, in the middle of an epoch too. Same state, same
     /// bytes.
     pub fn snapshot(&self) -> Vec<u8> {
-        let mut bytes = state(self);
-        bytes.extend_from_slice(&later(&self.metrics));
+        self.snapshot_of(self.state())
+    }
+
+    /// The snapshot that has this state.
+    pub(super) fn snapshot_of(&self, mut state: Vec<u8>) -> Vec<u8> {
+        state.extend_from_slice(&later(&self.metrics));
+        state
+    }
+
+    /// The saved state.
+    pub(super) fn state(&self) -> Vec<u8> {
+        let saved = SavedRef {
+            spec: digest(&self.spec),
+            position: self.position,
+            sensori_motor_clusters: self.sensori_motor_clusters,
+            curve: &self.curve,
+            metrics: &self.metrics,
+            tracks: &self.tracks,
+            learners: &self.learners,
+            worlds: self
+                .venues
+                .iter()
+                .map(|v| (v.world.state(), v.world.engine()))
+                .collect(),
+        };
+        #[allow(
+            clippy::expect_used,
+            reason = "plain data has no sequence of unknown length, so this cannot fail"
+        )]
+        let state = postcard::to_stdvec(&saved).expect("plain data serializes");
+        let mut bytes = Vec::with_capacity(state.len() + 40);
+        bytes.extend_from_slice(MAGIC);
+        bytes.extend_from_slice(&Sha256::digest(&state));
+        bytes.extend_from_slice(&state);
         bytes
     }
-
-    /// SHA-256 of the state.
-    pub(super) fn state_digest(&self) -> [u8; 32] {
-        Sha256::digest(state(self)).into()
-    }
-}
-
-/// The saved state of a run.
-fn state(run: &Run) -> Vec<u8> {
-    let saved = SavedRef {
-        spec: digest(&run.spec),
-        position: run.position,
-        sensori_motor_clusters: run.sensori_motor_clusters,
-        curve: &run.curve,
-        metrics: &run.metrics,
-        tracks: &run.tracks,
-        learners: &run.learners,
-        worlds: run
-            .venues
-            .iter()
-            .map(|v| (v.world.state(), v.world.engine()))
-            .collect(),
-    };
-    #[allow(
-        clippy::expect_used,
-        reason = "plain data has no sequence of unknown length, so this cannot fail"
-    )]
-    let state = postcard::to_stdvec(&saved).expect("plain data serializes");
-    let mut bytes = Vec::with_capacity(state.len() + 40);
-    bytes.extend_from_slice(MAGIC);
-    bytes.extend_from_slice(&Sha256::digest(&state));
-    bytes.extend_from_slice(&state);
-    bytes
 }
 
 /// A run that goes on from saved state; `of` is the digest of the spec that it was saved with.
