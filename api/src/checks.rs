@@ -19,6 +19,16 @@ pub struct ArenaCheck {
     pub gates: Vec<GateCheck>,
 }
 
+/// What of a run's arena its robots can reach from the first start pose.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Reach {
+    /// Squares that they can reach.
+    pub reachable: u32,
+    /// A text for each row of squares, the lowest y first, with a letter for each square: `1` within
+    /// reach, `0` not.
+    pub reachable_rows: Vec<String>,
+}
+
 /// A gate about as wide as a robot.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct GateCheck {

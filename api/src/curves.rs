@@ -15,7 +15,8 @@ pub struct JobCurves {
     pub job_id: String,
     /// Its name.
     pub name: String,
-    /// What the curves show: `p1`, `p2`, `p5` or `p10`, squares.
+    /// What the curves show: `p1`, `p2`, `p5` or `p10`, squares; with `_fraction` behind it, these
+    /// over the squares that can be reached.
     pub measure: String,
     /// What they run over: `epoch`.
     pub x: String,
@@ -57,8 +58,8 @@ pub struct GroupCurves {
 pub struct RunCurve {
     /// Its seed.
     pub seed: u64,
-    /// Squares, as far as the run went.
-    pub values: Vec<Option<u32>>,
+    /// Squares or shares, as far as the run went.
+    pub values: Vec<Option<f64>>,
 }
 
 /// Where the runs of a group of a job went, over its arena.

@@ -14,6 +14,8 @@ after(async () => {
   await server?.stop();
 });
 
+/** Builds may use the machine beside the tests. */
+const WAIT = { timeout: 60_000 };
 const SMALL = { arena: "easy", epochs: 20, steps_per_epoch: 200, controller: { method: "brownian" } };
 
 test("a first visit teaches, and one button starts the first job", async () => {
@@ -56,25 +58,110 @@ test("a restart of the server is told, and survived", async () => {
   await page.close();
 });
 
-test("a server with a token asks for it, and one that only reads is told of changes", async () => {
+test("a server with a token asks for it, and a wrong one is asked for again", async () => {
   const token = "a secret of the test";
   const other = await startServer({ token });
   try {
     const { page, wrong } = await openPage(browser, other, { expected: ["401"] });
     await page.goto(other.url);
+    await page.locator("#token").fill("not this one, by far");
+    await page.getByRole("button", { name: "Continue" }).click();
+    await page.locator("dialog .bad", { hasText: "not a token of this server" }).waitFor(WAIT);
     await page.locator("#token").fill(token);
     await assertWell(page, "token");
     await page.getByRole("button", { name: "Continue" }).click();
-    await page.getByRole("heading", { name: "No jobs yet" }).waitFor();
+    await page.getByRole("heading", { name: "No jobs yet" }).waitFor(WAIT);
     const job = await other.post("/v1/jobs", { name: "behind a token", base: { ...SMALL, epochs: 1_000_000 } });
     await page.goto(`${other.url}/#/jobs/${job.id}`);
-    await page.locator("article .badge", { hasText: "running" }).first().waitFor();
+    await page.locator("article .badge", { hasText: "running" }).first().waitFor(WAIT);
     assert.deepEqual(wrong, []);
     await page.close();
   } finally {
     await other.stop();
   }
 });
+
+test("a token that only reads sees everything and is told what it may not do", async () => {
+  const [token, reader] = ["a token that changes things", "a token that only reads"];
+  const other = await startServer({ token, reader });
+  try {
+    const job = await other.post("/v1/jobs", { name: "to be read", base: { ...SMALL, epochs: 1_000_000 } });
+    const { page, wrong } = await openPage(browser, other, { expected: ["401", "403"] });
+    await page.goto(`${other.url}/#/jobs/${job.id}`);
+    await page.locator("#token").fill(reader);
+    await page.getByRole("button", { name: "Continue" }).click();
+    await page.locator("article .badge", { hasText: "running" }).first().waitFor(WAIT);
+    assert.equal(await page.getByRole("alert").isVisible(), false);
+    page.on("dialog", (dialog) => dialog.accept());
+    await page.locator("article").getByRole("button", { name: "Cancel" }).click();
+    await page.locator("#alert", { hasText: "allows to read, not to change" }).waitFor(WAIT);
+    await page.getByText("read only").waitFor(WAIT);
+    // What would be refused is not offered any more; the job goes on.
+    assert.equal(await page.locator("article").getByRole("button", { name: "Cancel" }).isVisible(), false);
+    await assertWell(page, "read only");
+    await page.getByRole("link", { name: "New job" }).click();
+    // Documents may be checked: that changes nothing.
+    await page.locator(".estimate", { hasText: "30 runs" }).waitFor(WAIT);
+    assert.equal(await page.getByRole("button", { name: "Start", exact: true }).isVisible(), false);
+    await page.goto(`${other.url}/#/`);
+    await page.locator("#server-title").waitFor(WAIT);
+    await page.locator("dd", { hasText: "1 of 2 step a run" }).waitFor(WAIT);
+    await assertWell(page, "overview, read only");
+    await picture(page, "read-only");
+    assert.deepEqual(wrong, []);
+    await page.close();
+  } finally {
+    await other.stop();
+  }
+});
+
+test("the overview tells how the server is, and which runs need a look", async () => {
+  const other = await startServer({ args: ["--run-memory-bytes", "4000000"] });
+  try {
+    await overviewOf(other);
+  } finally {
+    await other.stop();
+  }
+});
+
+async function overviewOf(server) {
+  const large = await server.post("/v1/jobs", {
+    name: "too large",
+    base: { ...SMALL, epochs: 1, arena: { name: "large", width_m: 3, height_m: 3, squares: 900, walls_m: [], starts: [{ x_m: 0.5, y_m: 0.5, heading_rad: 0 }] } },
+  });
+  assert.equal(await server.ended(large), "failed");
+  const busy = await server.post("/v1/jobs", { name: "keeps a thread busy", base: { ...SMALL, epochs: 1_000_000, seed: 78 } });
+  const { page, wrong } = await openPage(browser, server);
+  await page.goto(`${server.url}/#/`);
+  await page.locator("#server-title").waitFor(WAIT);
+  await page.locator("section .facts", { hasText: "It is ready." }).waitFor(WAIT);
+  const row = (name) => page.locator(".figures > div", { has: page.locator("dt", { hasText: name }) }).locator("dd");
+  await page.locator("dd", { hasText: /[1-2] of 2 step a run/ }).waitFor(WAIT);
+  assert.match(await row("memory").textContent(), /MiB|GiB/);
+  assert.match(await row("disk left").textContent(), /GiB|MiB/);
+  await page.locator("dd", { hasText: "robot-steps/s" }).waitFor(WAIT);
+  const run = await server.firstRun(busy);
+  await page.locator("#server-title ~ ol a", { hasText: run.id.slice(0, 8) }).waitFor(WAIT);
+  await page.locator("#troubled-title ~ ol li", { hasText: /new: failed.*may hold/ }).waitFor(WAIT);
+  await assertWell(page, "overview");
+  await picture(page, "overview");
+  // From anywhere a slash goes to the search, j and k go through jobs.
+  await page.locator("#overview-title").click();
+  await page.keyboard.press("j");
+  const first = await page.evaluate(() => document.activeElement?.getAttribute("href"));
+  await page.keyboard.press("j");
+  const second = await page.evaluate(() => document.activeElement?.getAttribute("href"));
+  assert.ok(first?.startsWith("#/jobs/") && second?.startsWith("#/jobs/") && first !== second, `${first}, ${second}`);
+  await page.keyboard.press("k");
+  assert.equal(await page.evaluate(() => document.activeElement?.getAttribute("href")), first);
+  await page.keyboard.press("/");
+  await page.keyboard.type("keeps a thread");
+  await page.locator("nav .card").nth(1).waitFor({ state: "detached", ...WAIT });
+  assert.equal(await page.locator("nav .card").count(), 1);
+  await server.post(`/v1/jobs/${busy.id}/cancel`, {});
+  assert.deepEqual(wrong, []);
+  await page.close();
+}
 
 for (const [name, options] of [
   ["dark", { colorScheme: "dark" }],

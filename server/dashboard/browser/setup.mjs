@@ -2,7 +2,8 @@
 
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
-import { existsSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { createHash } from "node:crypto";
+import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
 import { createInterface } from "node:readline";
@@ -13,15 +14,15 @@ import { chromium } from "playwright-core";
 const repository = join(dirname(fileURLToPath(import.meta.url)), "../../..");
 const program = join(process.env.CARGO_TARGET_DIR ?? join(repository, "target"), "release/evswarm");
 
-/** Starts `evswarm serve`; `stop` ends it, `again` starts it anew on the same data and port. */
-export async function startServer({ token, data = mkdtempSync(join(tmpdir(), "dashboard-")), port = 0 } = {}) {
+/** Starts `evswarm serve`, with a token that changes and another that only reads; `stop` ends it, `again` starts it anew on the same data and port. */
+export async function startServer({ token, reader, args = [], data = mkdtempSync(join(tmpdir(), "dashboard-")), port = 0 } = {}) {
   if (!existsSync(program)) throw new Error(`${program} is missing: run \`make build\` before`);
   const environment = { ...process.env, XDG_RUNTIME_DIR: data, RUST_LOG: "error" };
   delete environment.EVSWARM_TOKEN;
   if (token) environment.EVSWARM_TOKEN = token;
   const child = spawn(
     program,
-    ["serve", "--listen", `127.0.0.1:${port}`, "--data", join(data, "data"), "--threads", "2"],
+    ["serve", "--listen", `127.0.0.1:${port}`, "--data", join(data, "data"), "--threads", "2", ...(reader ? ["--tokens", readers(data, reader)] : []), ...args],
     { env: environment, stdio: ["ignore", "pipe", "inherit"] },
   );
   const line = await new Promise((resolve, reject) => {
@@ -44,7 +45,7 @@ export async function startServer({ token, data = mkdtempSync(join(tmpdir(), "da
     },
     again: async () => {
       await end();
-      return startServer({ token, data, port: Number(new URL(url).port) });
+      return startServer({ token, reader, args, data, port: Number(new URL(url).port) });
     },
     post: async (path, body) => {
       const headers = { "content-type": "application/json", ...(token && { authorization: `Bearer ${token}` }) };
@@ -64,6 +65,13 @@ export async function startServer({ token, data = mkdtempSync(join(tmpdir(), "da
     /** The first run of a job. */
     firstRun: async (job) => (await (await fetch(`${url}/v1/jobs/${job.id}/runs?limit=1`)).json()).items[0],
   };
+}
+
+/** The file of a token that only reads. */
+function readers(folder, token) {
+  const file = join(folder, "tokens");
+  writeFileSync(file, `reader read sha256:${createHash("sha256").update(token).digest("hex")}\n`, { mode: 0o600 });
+  return file;
 }
 
 export async function startBrowser() {

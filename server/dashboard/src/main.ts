@@ -30,6 +30,7 @@ document.getElementById("app")?.append(
     menu,
     h("h1", {}, h("a", { href: link("overview") }, "evswarm")),
     rate,
+    h("span", { class: "badge only-read", title: "This token allows to read, not to change anything" }, "read only"),
     h("a", { class: "button primary", href: link("new") }, "New job"),
   ),
   alert,
@@ -64,9 +65,18 @@ function go(): void {
 addEventListener("hashchange", go);
 addEventListener("keydown", (event) => {
   const target = event.target as HTMLElement | null;
-  if (event.key === "/" && !target?.matches("input, textarea, select")) {
+  if (target?.matches("input, textarea, select") || event.ctrlKey || event.metaKey || event.altKey) return;
+  if (event.key === "/") {
     event.preventDefault();
     jobs.search();
   }
+  // Up and down the runs of a screen, else the jobs.
+  const step = { j: 1, k: -1 }[event.key];
+  if (step === undefined) return;
+  const links = [main.querySelectorAll<HTMLElement>("table.runs tbody a"), jobs.element.querySelectorAll<HTMLElement>("a.card")]
+    .map((list) => [...list]);
+  const list = links.find((one) => one.includes(document.activeElement as HTMLElement)) ?? links.find((one) => one.length > 0);
+  const at = list?.indexOf(document.activeElement as HTMLElement) ?? -1;
+  list?.[at < 0 ? 0 : at + step]?.focus();
 });
 go();

@@ -30,8 +30,9 @@ export async function ask(path: string, options: RequestInit = {}): Promise<Resp
     if (token) headers.set("authorization", `Bearer ${token}`);
     const response = await fetch(path, { cache: "no-cache", ...options, headers });
     if (response.ok) return response;
-    if (response.status !== 401) throw await problem(response);
-    await logIn();
+    if (response.status !== 401) throw noted(await problem(response));
+    if (token) sessionStorage.removeItem("token");
+    await logIn(token !== null);
   }
 }
 
@@ -50,10 +51,16 @@ export async function remove(path: string): Promise<void> {
   await ask(path, { method: "DELETE" });
 }
 
+/** A token that only reads is not offered what it would be refused. */
+function noted(refusal: Problem): Problem {
+  if (refusal.code === "read-only-token") document.body.classList.add("read-only");
+  return refusal;
+}
+
 let asking: Promise<void> | null = null;
 
 /** Asks the person for the server's token, once however many requests wait for it. */
-function logIn(): Promise<void> {
+function logIn(isWrong: boolean): Promise<void> {
   asking ??= new Promise<void>((resolve) => {
     const token = h("input", {
       id: "token", type: "password", autocomplete: "current-password", required: true,
@@ -65,6 +72,7 @@ function logIn(): Promise<void> {
         "form",
         { method: "dialog" },
         h("h2", { id: "login-title" }, "This server asks for a token"),
+        isWrong && h("p", { class: "bad" }, "What was given is not a token of this server."),
         h("label", { for: "token" }, "Token"),
         token,
         h("button", {}, "Continue"),
@@ -72,6 +80,7 @@ function logIn(): Promise<void> {
     );
     dialog.addEventListener("close", () => {
       sessionStorage.setItem("token", token.value);
+      document.body.classList.remove("read-only");
       dialog.remove();
       asking = null;
       resolve();

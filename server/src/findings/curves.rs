@@ -16,13 +16,14 @@ impl Assembler {
         let input = self.input(job, &runs)?;
         let done = runs.iter().filter(|run| run.result().is_some());
         let epochs = done.map(|run| run.epochs_total).max().unwrap_or(0);
-        let level = |row: &swarm::run::CurveRow| match wanted.measure {
+        let share_of = wanted.measure.strip_suffix("_fraction");
+        let level = |row: &swarm::run::CurveRow| match share_of.unwrap_or(wanted.measure) {
             "p2" => row.p2,
             "p5" => row.p5,
             "p10" => row.p10,
             _ => row.p1,
         };
-        let curve = |place: u64| -> Result<Vec<u32>, StoreError> {
+        let curve = |place: u64| -> Result<Vec<f64>, StoreError> {
             let run = usize::try_from(place)
                 .ok()
                 .and_then(|place| runs.get(place));
@@ -30,8 +31,17 @@ impl Assembler {
                 .map(|run| self.store.findings(run.seq))
                 .transpose()?
                 .flatten();
+            let result = run.and_then(|run| run.result());
+            let whole = match (share_of, result) {
+                (Some(_), Some(result)) => f64::from(result.reachable.max(1)),
+                _ => 1.0,
+            };
             // A run that was deleted meanwhile has no curve any more.
-            Ok(findings.map_or_else(Vec::new, |found| found.curve.iter().map(level).collect()))
+            let curve = findings.map_or_else(Vec::new, |found| found.curve);
+            Ok(curve
+                .iter()
+                .map(|row| f64::from(level(row)) / whole)
+                .collect())
         };
         curves(&input, wanted, epochs, curve).map_err(|error| match error {
             CurvesError::Groups(error) => error.into(),

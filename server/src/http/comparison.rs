@@ -16,7 +16,7 @@ use super::refusal::Refusal;
 use super::routes::Routes;
 use crate::store::JobView;
 use crate::summary::comparison::{DEFAULT_MEASURE, csv, markdown};
-use crate::summary::curves::Wanted;
+use crate::summary::curves::{MEASURES, Wanted};
 
 /// Formats of a comparison beside JSON, by the end of the route.
 type ComparisonText = (&'static str, &'static str, fn(&Comparison) -> String);
@@ -37,8 +37,10 @@ const BY: Parameter = Parameter::text(
 /// What curves show.
 const LEVEL: Parameter = Parameter::word(
     "measure",
-    &["p1", "p2", "p5", "p10"],
-    "Squares entered at least so often.",
+    &MEASURES,
+    "Squares entered at least so often; `_fraction`: over those that can be reached. Slivers along \
+     walls, which can just be entered, do not count as reachable, so a share may end a little above \
+     the result's.",
 );
 const X: Parameter = Parameter::word("x", &["epoch"], "What curves run over.");
 const POINTS: Parameter = Parameter::whole("points", (2, 500), "Most points of a curve.").or(200);

@@ -83,9 +83,11 @@ impl Gate {
         if self.tokens.is_empty() || is_open(request.uri().path()) {
             return Ok(());
         }
+        // Documents that are looked at before they are posted change nothing.
+        let changes = !is_read && !request.uri().path().starts_with("/v1/checks/");
         match bearer(headers).and_then(|secret| self.tokens.right(secret)) {
             Some(Right::Write) => Ok(()),
-            Some(Right::Read) if is_read => Ok(()),
+            Some(Right::Read) if !changes => Ok(()),
             Some(Right::Read) => {
                 let detail = "this token allows to read, not to change anything";
                 Err(Refusal::new(ProblemCode::ReadOnlyToken, detail))

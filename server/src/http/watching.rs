@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use api::ProblemCode::{CheckpointNotKept, FindingsNotKept, NothingLearnt, TooManyListeners};
 use api::State::{Cancelled, Failed};
+use api::checks::Reach;
 use api::learnt::Learnt;
 use axum::Json;
 use axum::body::Body;
@@ -77,6 +78,12 @@ pub fn routes() -> Routes {
                 .details("One that is generated or made of another too.")
                 .query(&[OF])
                 .answers(200, "The arena.", JSON, Some(Shape::Document("Arena"))),
+        )
+        .get(
+            "/runs/{id}/reach",
+            reach,
+            Operation::new("getRunReach", "What of its arena the robots of a run can reach")
+                .shows::<Reach>("The squares."),
         )
         .get(
             "/runs/{id}/learnt",
@@ -213,6 +220,24 @@ async fn arena(
         let arena = training.map_or(&spec.arena, |training| &training.arena);
         let text = super::arenas::text(arena)?;
         Ok(([(CONTENT_TYPE, JSON)], text).into_response())
+    })
+    .await
+}
+
+/// `GET /v1/runs/{id}/reach`.
+async fn reach(State(app): State<App>, FoundRun(run): FoundRun) -> Result<Json<Reach>, Refusal> {
+    app.blocking(move |app| {
+        let spec = app.findings.resolved(&run)?;
+        let mask = app.findings.mask(spec.arena(), spec.body_radius_m());
+        let mask = mask.as_deref().unwrap_or_default();
+        let [columns, _] = spec.arena().squares();
+        let letter = |&within: &bool| if within { '1' } else { '0' };
+        let rows = mask.chunks(columns.max(1) as usize);
+        Ok(Json(Reach {
+            // An arena has at most 1,000,000 squares.
+            reachable: mask.iter().filter(|&&within| within).count() as u32,
+            reachable_rows: rows.map(|row| row.iter().map(letter).collect()).collect(),
+        }))
     })
     .await
 }

@@ -14,10 +14,22 @@ pub const MOST_GROUPS: usize = 200;
 /// Most single runs of a group that are shown.
 const MOST_SINGLE_RUNS: usize = 50;
 
+/// What curves can show.
+pub const MEASURES: [&str; 8] = [
+    "p1",
+    "p2",
+    "p5",
+    "p10",
+    "p1_fraction",
+    "p2_fraction",
+    "p5_fraction",
+    "p10_fraction",
+];
+
 /// Which curves are wanted.
 #[derive(Clone, Copy, Debug)]
 pub struct Wanted<'a> {
-    /// `p1`, `p2`, `p5` or `p10`.
+    /// One of [`MEASURES`].
     pub measure: &'a str,
     /// A varied field whose values are the groups.
     pub by: Option<&'a str>,
@@ -50,7 +62,7 @@ pub fn curves<E: std::error::Error>(
     input: &Input,
     wanted: Wanted<'_>,
     epochs: u32,
-    mut curve: impl FnMut(u64) -> Result<Vec<u32>, E>,
+    mut curve: impl FnMut(u64) -> Result<Vec<f64>, E>,
 ) -> Result<JobCurves, CurvesError<E>> {
     if input.finished.len() > MOST_RUNS {
         return Err(CurvesError::Runs(input.finished.len()));
@@ -109,7 +121,7 @@ fn group(set: Set, mut runs: Vec<RunCurve>, points: usize, show_runs: bool) -> G
     for point in 0..points {
         let values: Vec<f64> = runs
             .iter()
-            .filter_map(|run| run.values[point].map(f64::from))
+            .filter_map(|run| run.values[point])
             .collect();
         let interval = mean_interval(&values);
         group.n.push(values.len() as u64);
@@ -155,7 +167,7 @@ mod tests {
             let epochs = if place < 3 { 3 } else { 5 };
             Ok::<_, Infallible>(
                 (1..=epochs)
-                    .map(|epoch| epoch * (1 + place as u32))
+                    .map(|epoch| f64::from(epoch * (1 + place as u32)))
                     .collect(),
             )
         };
@@ -169,7 +181,7 @@ mod tests {
         assert_eq!(long.median[2], Some(25.0));
         assert!(short.low[0].unwrap() < 2.0 && short.high[0].unwrap() > 2.0);
         assert_eq!((short.low[2], short.runs.len()), (None, 3));
-        assert_eq!(short.runs[1].values, [Some(2), Some(6), None]);
+        assert_eq!(short.runs[1].values, [Some(2.0), Some(6.0), None]);
         let without = curves(&job, wanted(false), 5, curve).unwrap();
         assert!(without.groups[0].runs.is_empty());
         let none = curves(&input(1, Vec::new(), Vec::new()), wanted(true), 0, curve).unwrap();

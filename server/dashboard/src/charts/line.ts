@@ -4,7 +4,7 @@ import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { h } from "../dom";
 import { themed, type Look } from "../looks";
-import { figure } from "../words";
+import { figure, percent } from "../words";
 import { savers } from "./save";
 
 export interface Line {
@@ -20,7 +20,8 @@ export interface Line {
 
 export interface Lines {
   x: { name: string; at: number[]; log?: boolean };
-  y: { name: string; log: boolean };
+  /** A `share` is shown in per cent. */
+  y: { name: string; log: boolean; share?: boolean };
   lines: Line[];
 }
 
@@ -77,6 +78,7 @@ export function lineChart(name: string, title: string, zoomed: (x: [number, numb
     const font = "12px system-ui, sans-serif";
     const axis = { stroke: ink, font, labelFont: font, grid: { stroke: grid, width: 1 }, ticks: { stroke: grid } };
     const values = (_: uPlot, ticks: (number | null)[]): string[] => ticks.map((tick) => (tick === null ? "" : figure(tick)));
+    const shares = (_: uPlot, ticks: (number | null)[]): string[] => ticks.map((tick) => (tick === null ? "" : percent(tick)));
     chart = new uPlot(
       {
         width: Math.max(plot.clientWidth, 280),
@@ -87,7 +89,7 @@ export function lineChart(name: string, title: string, zoomed: (x: [number, numb
           x: { time: false, distr: lines.x.log ? 3 : 1, ...(window_x && { min: window_x[0], max: window_x[1] }) },
           y: { distr: lines.y.log ? 3 : 1 },
         },
-        axes: [{ ...axis, label: lines.x.name, values }, { ...axis, label: lines.y.name, size: 64, values }],
+        axes: [{ ...axis, label: lines.x.name, values }, { ...axis, label: lines.y.name, size: 64, values: lines.y.share ? shares : values }],
         series,
         bands,
         hooks: {
@@ -171,7 +173,7 @@ export function picture({ x, y, lines }: Lines, title: string): string {
     const u = x.log ? x0 * (x1 / x0) ** share : x0 + (x1 - x0) * share;
     parts.push(
       `<line x1="${left}" x2="${width - right}" y1="${py(v)}" y2="${py(v)}" stroke="#ddd"/>`,
-      `<text x="${left - 6}" y="${py(v)}" text-anchor="end" dominant-baseline="middle">${figure(v)}</text>`,
+      `<text x="${left - 6}" y="${py(v)}" text-anchor="end" dominant-baseline="middle">${y.share ? percent(v) : figure(v)}</text>`,
       `<text x="${px(u)}" y="${height - bottom + 18}" text-anchor="middle">${figure(Math.round(u))}</text>`,
     );
   }

@@ -5,7 +5,7 @@ import { look } from "../looks";
 import { lineChart } from "../charts/line";
 import { choose } from "../route";
 import type { Curves } from "../types";
-import { figure, whole } from "../words";
+import { figure, percent, whole } from "../words";
 
 /** Fewest runs that have a band. */
 export const BAND_FROM = 3;
@@ -32,7 +32,7 @@ export function curvesChart(hidden: Set<string>, zoom: [number, number] | null):
     const lines = curves.groups.map((group, place) => ({ group, look: look(place) }));
     chart.draw({
       x: { name: curves.x, at: curves.at },
-      y: { name: `${curves.measure}, squares`, log: how.log },
+      y: { name: isShare(curves) ? `${curves.measure.replace("_fraction", "")}, share of what can be reached` : `${curves.measure}, squares`, log: how.log, share: isShare(curves) },
       lines: lines.filter(({ group }) => !hidden.has(group.label)).map(({ group, look }) => ({
         label: group.label || "all runs",
         look,
@@ -59,18 +59,22 @@ export function curvesChart(hidden: Set<string>, zoom: [number, number] | null):
       (item, group) => {
         const [mean, low, high] = [group.mean, group.low, group.high].map((list) => list.at(-1) ?? null);
         const band = group.runs_done >= BAND_FROM && low != null && high != null;
-        const interval = band ? ` [${figure(low)}, ${figure(high)}]` : "";
-        write(item.querySelector("span:last-child")!, `${group.label || "all runs"}  ${figure(mean)}${interval}  n ${whole(group.n.at(-1) ?? 0)}`);
+        const told = (value: number | null | undefined): string => (isShare(curves) && value != null ? percent(value) : figure(value));
+        const interval = band ? ` [${told(low)}, ${told(high)}]` : "";
+        write(item.querySelector("span:last-child")!, `${group.label || "all runs"}  ${told(mean)}${interval}  n ${whole(group.n.at(-1) ?? 0)}`);
       },
     );
     write(
       text,
       `Mean of ${curves.measure} by ${curves.x} over all finished runs of each group` +
-        (how.single ? ", with single runs (at most 50 a group) as thin lines." : `, with ${Math.round(curves.level * 100)} % intervals; no band for fewer than ${BAND_FROM} runs. Drag to zoom, double-click for all.`),
+        (how.single ? ", with single runs (at most 50 a group) as thin lines." : `, with ${Math.round(curves.level * 100)} % intervals; no band for fewer than ${BAND_FROM} runs. Drag to zoom, double-click for all.`) +
+        (isShare(curves) ? " Slivers along walls, which do not count as reachable, can be entered: a curve may end a little above the share in the table." : ""),
     );
   };
   return { element, draw, stop: chart.stop };
 }
+
+const isShare = (curves: Curves): boolean => curves.measure.endsWith("_fraction");
 
 /** The line of a group in a legend. */
 export function swatch(place: number): HTMLElement {

@@ -91,14 +91,6 @@ export function runsTable(options: URLSearchParams): RunsTable {
     choose("filter", filter.value.trim() || null);
     again();
   });
-  element.addEventListener("keydown", (event) => {
-    const step = { j: 1, k: -1 }[event.key];
-    const links = [...body.querySelectorAll<HTMLElement>("a")];
-    const at = links.indexOf(document.activeElement as HTMLElement);
-    if (step === undefined || at < 0) return;
-    event.preventDefault();
-    links[at + step]?.focus();
-  });
   return { element, draw };
 }
 

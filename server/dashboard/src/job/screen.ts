@@ -14,6 +14,7 @@ import { curvesChart } from "./curves";
 import { forestPlot } from "./forest";
 import { grouping, odd, varied } from "./groups";
 import { coverageMaps } from "./maps";
+import { parallelPlot } from "./parallel";
 import { runsTable } from "./runs";
 import { scalingPlots } from "./scaling";
 import { stripPlots } from "./strips";
@@ -58,7 +59,7 @@ export function jobScreen(id: string, options: URLSearchParams): Screen {
   });
 
   const act = (name: string, what: string, sure?: string): HTMLButtonElement => {
-    const button = h("button", { type: "button", hidden: true }, name);
+    const button = h("button", { type: "button", class: "changes", hidden: true }, name);
     button.addEventListener("click", () => {
       if (sure && !confirm(sure)) return;
       const path = `/v1/jobs/${id}`;
@@ -73,7 +74,7 @@ export function jobScreen(id: string, options: URLSearchParams): Screen {
   const retry = act("Try again", "retry");
   const erase = act("Delete", "delete", "Delete this job and the results that only it has? This cannot be undone.");
   const clone = h("a", { class: "button", href: link("new", "", { from: id }) }, "Clone");
-  const extend = h("button", { type: "button" }, "More seeds");
+  const extend = h("button", { type: "button", class: "changes" }, "More seeds");
   extend.addEventListener("click", () => {
     const seeds = Number(prompt("How many more seeds for each group? Their runs wait in the queue at once.", "5"));
     if (Number.isInteger(seeds) && seeds > 0) post<Job>(`/v1/jobs/${id}/extend`, JSON.stringify({ seeds })).then(showJob, trouble);
@@ -103,7 +104,8 @@ export function jobScreen(id: string, options: URLSearchParams): Screen {
   const forest = forestPlot();
   const strips = stripPlots();
   const scaling = scalingPlots();
-  const sweep = sweepMap();
+  const sweep = sweepMap(options);
+  const parallel = parallelPlot();
   const maps = coverageMaps(id, options.get("maps") === "1");
   const table = runsTable(options);
   const report = h("a", { href: `/v1/jobs/${id}/report.html`, hidden: true }, "report on chapter 5");
@@ -112,7 +114,7 @@ export function jobScreen(id: string, options: URLSearchParams): Screen {
       h("a", { href: `/v1/jobs/${id}/${name}` }, name)),
     report);
   const cut = h("p", { class: "quiet", hidden: true }, `The table and the strips have the first ${whole(MOST)} runs; what is pooled has all.`);
-  const charts = h("div", { class: "screen", hidden: true }, tools, curves.element, forest.element, strips.element, scaling.element, sweep.element, maps.element);
+  const charts = h("div", { class: "screen", hidden: true }, tools, curves.element, forest.element, strips.element, scaling.element, sweep.element, parallel.element, maps.element);
   const waiting = h("p", { class: "quiet" }, "Charts come when the first runs are done.");
   const element = h(
     "article",
@@ -182,8 +184,7 @@ export function jobScreen(id: string, options: URLSearchParams): Screen {
     }
     show(waiting, false);
     show(charts, true);
-    const level = measure.split("_")[0]!;
-    const curved = ["p1", "p2", "p5", "p10"].includes(level) ? level : "p1";
+    const curved = FIRST.includes(measure) ? measure : "p1";
     const query = (more: Record<string, string>): string => new URLSearchParams({ ...more, ...(by && { by }) }).toString();
     summary = await read<Summary>(`/v1/jobs/${id}/summary`, signal);
     fillMeasures(summary.groups[0]?.measures.map((one) => one.name) ?? []);
@@ -203,6 +204,7 @@ export function jobScreen(id: string, options: URLSearchParams): Screen {
     strips.draw(all.runs, labels, grouping(summary, by));
     scaling.draw(summary.scaling ?? []);
     sweep.draw(summary, measure);
+    parallel.draw(summary, measure);
     showRuns();
     key = `${done} ${total}`;
     pooled = now;

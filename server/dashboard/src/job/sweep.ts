@@ -2,6 +2,7 @@
 
 import { h, show, svg, write } from "../dom";
 import { heat } from "../looks";
+import { choose } from "../route";
 import { savers } from "../charts/save";
 import type { Summary } from "../types";
 import { figure, whole } from "../words";
@@ -11,7 +12,7 @@ const CELL = 64;
 const LOW = 30;
 const LEFT = 150;
 
-export function sweepMap() {
+export function sweepMap(options: URLSearchParams) {
   const rows = h("select", { id: "sweep-rows" });
   const columns = h("select", { id: "sweep-columns" });
   const plot = h("div", { class: "scroll", tabindex: 0, role: "group", "aria-label": "Sweep" });
@@ -34,7 +35,8 @@ export function sweepMap() {
     for (const [select, place] of [[rows, 0], [columns, 1]] as const) {
       if (select.options.length !== fields.length) {
         select.replaceChildren(...fields.map((field) => h("option", { value: field }, field)));
-        select.value = fields[place]!;
+        const wished = options.get(place === 0 ? "rows" : "columns");
+        select.value = wished && fields.includes(wished) ? wished : fields[place]!;
       }
     }
     const [ys, xs] = [rows.value, columns.value].map((field) => [...new Set(summary.groups.map((group) => plain(group.values[field] ?? "")))]);
@@ -76,6 +78,11 @@ export function sweepMap() {
     const n = [...cells.values()].reduce((sum, cell) => sum + cell.n, 0);
     write(text, `Means of ${measure} from ${figure(least)} to ${figure(most)}, n = ${whole(n)} runs in all${fields.length > 2 ? "; what else varies is pooled" : ""}.`);
   };
-  for (const select of [rows, columns]) select.addEventListener("change", () => { if (last) draw(...last); });
+  for (const [select, name] of [[rows, "rows"], [columns, "columns"]] as const) {
+    select.addEventListener("change", () => {
+      choose(name, select.value);
+      if (last) draw(...last);
+    });
+  }
   return { element, draw };
 }

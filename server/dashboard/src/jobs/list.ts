@@ -123,7 +123,7 @@ export function jobList(tell: (rate: string) => void): JobList {
   search.addEventListener("input", draw);
   state.addEventListener("change", draw);
   element.addEventListener("keydown", (event) => {
-    const step = { j: 1, k: -1, ArrowDown: 1, ArrowUp: -1 }[event.key];
+    const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
     const cards = [...items.querySelectorAll<HTMLElement>("a.card")];
     const at = cards.indexOf(document.activeElement as HTMLElement);
     if (step === undefined || at < 0) return;

@@ -6,6 +6,8 @@ import { post, read } from "../server";
 import type { Job, Template } from "../types";
 import { trouble, type Screen } from "../alert";
 import { title } from "./list";
+import { serverPanel } from "./health";
+import { troubled } from "./troubled";
 import { pace, percent, sentence, whole } from "../words";
 
 /** Jobs that are done which are shown. */
@@ -15,11 +17,13 @@ export function overview(): Screen {
   const counts = h("p", { class: "facts" });
   const running = h("ol", { class: "plain" });
   const wrong = h("ol", { class: "plain" });
-  const wrongTitle = h("h3", { hidden: true }, "Failed");
+  const wrongTitle = h("h3", { hidden: true }, "Jobs with failed runs");
   const runningTitle = h("h3", { hidden: true }, "Under way");
   const done = h("ol", { class: "plain" });
   const doneTitle = h("h3", { hidden: true }, "Done lately");
-  const start = h("button", { type: "button", class: "primary" }, "Start a first job");
+  const odd = troubled();
+  const health = serverPanel();
+  const start = h("button", { type: "button", class: "primary changes" }, "Start a first job");
   const welcome = h(
     "section",
     { class: "panel", hidden: true, "aria-labelledby": "welcome-title" },
@@ -36,7 +40,7 @@ export function overview(): Screen {
     "section",
     { class: "panel", hidden: true, "aria-labelledby": "overview-title" },
     h("h2", { id: "overview-title" }, "Overview"),
-    counts, runningTitle, running, wrongTitle, wrong, doneTitle, done,
+    counts, odd.element, runningTitle, running, wrongTitle, wrong, doneTitle, done,
   );
 
   start.addEventListener("click", () => void first(start));
@@ -82,9 +86,13 @@ export function overview(): Screen {
   };
   addEventListener("jobs", update);
   return {
-    element: h("div", { class: "screen" }, welcome, well),
+    element: h("div", { class: "screen" }, welcome, well, health.element),
     title: "Overview",
-    stop: () => removeEventListener("jobs", update),
+    stop: () => {
+      removeEventListener("jobs", update);
+      health.stop();
+      odd.stop();
+    },
   };
 }
 

@@ -7,62 +7,78 @@ import type { Frame } from "./frames";
 /** Most moments and poses of a slice; the server has the same bounds. */
 const MOST_MOMENTS = 4_000;
 const MOST_POSES = 100_000;
+/** Robots that are shown. */
+const MOST_ROBOTS = 1_000;
 /** Slices that are kept. */
 const KEPT = 12;
 
+export type Head = RecordingSlice["recording"];
+
 export class Player {
-  private slices = new Map<number, Promise<RecordingSlice>>();
+  private slices = new Map<number, Promise<void>>();
   private ready = new Map<number, RecordingSlice>();
-  private head: RecordingSlice["recording"] | null = null;
+  private head: Head | null = null;
 
   constructor(readonly run: string, readonly name: string, private readonly trouble: (error: unknown) => void) {}
 
   /** What it is a recording of; again, as one that is being made grows. */
-  async open(signal?: AbortSignal): Promise<RecordingSlice["recording"]> {
-    const slice = await read<RecordingSlice>(this.path({ steps: "1", robots: "0" }), signal);
-    this.head = slice.recording;
-    return slice.recording;
+  async open(signal?: AbortSignal): Promise<Head> {
+    const before = this.head?.to_step;
+    this.head = (await read<RecordingSlice>(this.path({ steps: "1" }), signal)).recording;
+    if (before !== undefined && before !== this.head.to_step) {
+      // The last slice was read before it was full.
+      const last = this.numberOf(before - 1);
+      this.slices.delete(last);
+      this.ready.delete(last);
+    }
+    return this.head;
   }
 
   get from(): number {
     return this.head ? this.head.from_epoch * this.head.steps_per_epoch : 0;
   }
 
-  /** The step behind the last. */
-  get to(): number {
-    return this.head?.to_step ?? 0;
+  /** The last step. */
+  get last(): number {
+    return Math.max(this.from, (this.head?.to_step ?? 1) - 1);
   }
 
-  get recording(): RecordingSlice["recording"] | null {
+  get recording(): Head | null {
     return this.head;
   }
 
   /** The frame at a step or the last before it, where it has been read; what comes next is asked for. */
   frameAt(step: number): Frame | null {
     if (!this.head) return null;
-    const span = this.span();
-    const number = Math.floor((step - this.from) / span);
-    this.want(number);
-    if (step + span < this.to) this.want(number + 1);
+    const number = this.numberOf(step);
+    void this.want(number);
+    if (number < this.numberOf(this.last)) void this.want(number + 1);
     const slice = this.ready.get(number);
     return slice ? frameOf(slice, step) : null;
   }
 
-  /** Steps of a slice. */
-  private span(): number {
-    const { robots, objects, every_steps } = this.head!;
-    const poses = Math.max(1, Math.min(robots, 1_000) + objects);
-    return Math.max(1, Math.min(MOST_MOMENTS, Math.floor(MOST_POSES / poses) - 2)) * every_steps;
+  /** The same, read where it has not been; null where it cannot be. */
+  async load(step: number): Promise<Frame | null> {
+    if (!this.head) return null;
+    await this.want(this.numberOf(step));
+    return this.frameAt(step);
   }
 
-  private want(number: number): void {
-    if (number < 0 || this.slices.has(number)) return;
-    const span = this.span();
-    const recorded = this.head!.robot_numbers ?? Array.from({ length: this.head!.robots }, (_, n) => n);
-    const robots = recorded.slice(0, 1_000).join(",");
-    const slice = read<RecordingSlice>(this.path({ from_step: String(this.from + number * span), steps: String(span), robots }));
-    this.slices.set(number, slice);
-    slice.then(
+  /** The slice of a step. The end of the last epoch has none of its own. */
+  private numberOf(step: number): number {
+    const last = Math.max(this.last - 1, this.from);
+    return Math.floor((Math.min(Math.max(step, this.from), last) - this.from) / spanOf(this.head!));
+  }
+
+  private want(number: number): Promise<void> {
+    const there = this.slices.get(number);
+    if (there) return there;
+    const head = this.head!;
+    const span = spanOf(head);
+    const recorded = head.robot_numbers ?? Array.from({ length: head.robots }, (_, n) => n);
+    // The end of an epoch is at the step at which the next begins, which may be that of the next slice.
+    const query = { from_step: String(this.from + number * span), steps: String(span + 1), robots: recorded.slice(0, MOST_ROBOTS).join(",") };
+    const slice = read<RecordingSlice>(this.path(query)).then(
       (found) => {
         this.ready.set(number, found);
         for (const old of this.slices.keys()) {
@@ -76,12 +92,31 @@ export class Player {
         this.trouble(error);
       },
     );
+    this.slices.set(number, slice);
+    return slice;
   }
 
   private path(query: Record<string, string>): string {
     const route = this.name === "live" ? "recording.json" : `recordings/${this.name}.json`;
     return `/v1/runs/${this.run}/${route}?${new URLSearchParams(query)}`;
   }
+}
+
+/** Steps of a slice, so that its moments fit into an answer: an epoch has one more than its steps. */
+export function spanOf(head: Pick<Head, "robots" | "objects" | "every_steps" | "steps_per_epoch">): number {
+  const poses = Math.max(1, Math.min(head.robots, MOST_ROBOTS) + head.objects);
+  const moments = Math.max(4, Math.min(MOST_MOMENTS, Math.floor(MOST_POSES / poses)));
+  const samples = Math.floor(head.steps_per_epoch / head.every_steps) + 1;
+  const span = Math.floor(((moments - 2) * head.steps_per_epoch) / samples);
+  return Math.max(head.every_steps, Math.floor(span / head.every_steps) * head.every_steps);
+}
+
+/** Steps that counted before a step of a recording: those of exploration, in the target arena. */
+export function countedSteps(head: Head, step: number): number {
+  return head.phases.filter((phase) => phase.phase === "exploration").reduce((sum, phase) => {
+    const first = phase.from_epoch * head.steps_per_epoch;
+    return sum + Math.min(Math.max(step - first, 0), phase.epochs * head.steps_per_epoch);
+  }, 0);
 }
 
 /** The last moment of a slice that is not after a step. */

@@ -4,37 +4,46 @@
 import { trouble } from "../alert";
 import { h, show, write } from "../dom";
 import { choose } from "../route";
-import { post, read, watch } from "../server";
-import type { Arena, Page, RecordingSummary, Run } from "../types";
-import { percent, sentence, whole } from "../words";
+import { read } from "../server";
+import type { Page, RecordingSummary, Run, Stayed } from "../types";
+import { sentence, whole } from "../words";
+import { beside } from "./beside";
 import type { Frame } from "./frames";
-import { Player } from "./player";
-import { scene } from "./scene";
+import { marks } from "./marks";
+import { countedSteps, Player } from "./player";
+import { recorder } from "./recorder";
+import type { Scene } from "./scene";
 
-const LOOK_EVERY_MS = 2_000;
 /** Times as fast as robots drive. */
 const SPEEDS = [0.25, 1, 4, 8, 32, 128, 1024];
+/** Epochs that are recorded at most for a moment that is to be seen. */
+const MOST_FOR_A_MOMENT = 5;
 
 export interface Replay {
   element: HTMLElement;
   /** The scene beside, where another run is shown. */
   beside: HTMLElement;
-  /** The job whose runs can be shown beside. */
-  job(id: string): void;
+  scene: Scene;
+  /** The run as it is: its job's runs can be shown beside. */
+  run(run: Run): void;
+  /** Stretches in which a robot stayed where it was. */
+  stayed(all: readonly Stayed[]): void;
+  /** Shows a moment, recording its epochs where they are not yet. */
+  show(stayed: Stayed, steps_per_epoch: number): void;
   stop(): void;
 }
 
-/** `onFrame` gets what to show; null goes back to what is live. */
-export function replay(run: string, options: URLSearchParams, onFrame: (frame: Frame | null) => void): Replay {
+/** `seen` gets what to show, with the counted steps till then; null goes back to what is live. */
+export function replay(run: string, options: URLSearchParams, seen: (frame: Frame | null, counted: number | null) => void, pick: (robot: number) => void): Replay {
   let player: Player | null = null;
-  let other: Player | null = null;
   let step = Number(options.get("at")) || 0;
+  let exact = 0;
   let playing = false;
   let speed = Number(options.get("speed")) || 8;
   let last = 0;
   let tick = 0;
-  let items: RecordingSummary[] = [];
-  let shown = "";
+  let names = "";
+  let stayed: readonly Stayed[] = [];
 
   const source = h("select", { id: "recording" }, h("option", { value: "" }, "live"));
   const play = h("button", { type: "button", "aria-pressed": "false" }, "Play");
@@ -43,126 +52,76 @@ export function replay(run: string, options: URLSearchParams, onFrame: (frame: F
   const time = h("input", { type: "range", id: "timeline", min: 0, max: 1, step: 1, "aria-label": "Step of the recording" });
   const pace = h("select", { id: "speed" }, ...SPEEDS.map((one) => h("option", { value: one, selected: one === speed }, `${one}x`)));
   const epoch = h("input", { type: "number", id: "epoch", min: 0 });
-  const where = h("p", { class: "facts" });
-  const beside = h("select", { id: "beside" }, h("option", { value: "" }, "nothing"));
-  const marks = h("datalist", { id: "epochs" });
-  time.setAttribute("list", "epochs");
+  const where = h("p", { class: "facts where" });
+  const other = h("select", { id: "beside" }, h("option", { value: "" }, "nothing"));
+  const second = beside();
+  const marked = marks((to, robot) => {
+    if (robot !== undefined) pick(robot);
+    void go(to);
+  });
   const controls = h("div", { class: "timeline", hidden: true },
     h("p", { class: "tools" }, back, play, on, h("label", { for: "speed" }, "Speed"), pace, h("label", { for: "epoch" }, "Epoch"), epoch,
-      h("label", { for: "beside" }, "Beside it"), beside),
-    time, marks, where);
-
-  const from = h("input", { id: "record-from", inputmode: "numeric", value: "0", size: 6 });
-  const epochs = h("input", { id: "record-epochs", inputmode: "numeric", value: "5", size: 6 });
-  const every = h("input", { id: "record-every", inputmode: "numeric", value: "1", size: 4 });
-  const record = h("button", { type: "submit" }, "Record");
-  const asked = h("p", { class: "facts", role: "status" });
-  const form = h("form", { class: "tools" },
-    h("label", { for: "record-from" }, "From epoch"), from, h("label", { for: "record-epochs" }, "epochs"), epochs,
-    h("label", { for: "record-every" }, "every steps"), every, record);
-  const recorder = h("details", {}, h("summary", {}, "Record a stretch of this run"),
-    h("p", { class: "quiet" }, "The run is stepped again in the background; results stay as they are. Epochs are counted from 0 over all phases, training included."),
-    form, asked);
+      h("label", { for: "beside" }, "Beside it"), other),
+    h("div", { class: "track" }, time, marked.element), where);
+  const recording = recorder(run, (items) => list(items), (name) => open(name));
   const element = h("section", { "aria-label": "Replay" },
-    h("p", { class: "tools" }, h("label", { for: "recording" }, "Show"), source), controls, recorder);
+    h("p", { class: "tools" }, h("label", { for: "recording" }, "Show"), source), controls, recording.element);
 
-  const second = scene(() => undefined);
-  const besideElement = h("div", { class: "beside", hidden: true }, h("p", { class: "facts" }), second.element);
-
-  form.addEventListener("submit", (event) => {
-    event.preventDefault();
-    const body = { from_epoch: Number(from.value), epochs: Number(epochs.value), every_steps: Number(every.value), fields: ["pose", "command", "sensors", "decision"] };
-    post<RecordingSummary>(`/v1/runs/${run}/recordings`, JSON.stringify(body)).then((made) => {
-      wanted = made.name;
-      looking.now();
-    }, trouble);
-  });
-
-  let wanted = options.get("replay") ?? "";
-  const looking = watch(
-    LOOK_EVERY_MS,
-    async (signal) => {
-      const isMade = items.some((one) => ["queued", "recording"].includes(one.state));
-      if (items.length > 0 && !isMade && !wanted && shown !== "") return;
-      items = (await read<{ items: RecordingSummary[] }>(`/v1/runs/${run}/recordings`, signal)).items;
-      const names = items.map((one) => one.name).join(" ");
-      if (names !== shown || shown === "") {
-        shown = names || "none";
-        source.replaceChildren(
-          h("option", { value: "" }, "live"),
-          ...items.map((one) => h("option", { value: one.name }, `recording ${one.name}: epochs ${whole(one.from_epoch)} to ${whole(one.from_epoch + one.epochs - 1)}, every ${one.every_steps === 1 ? "step" : `${one.every_steps} steps`}`)),
-        );
-        source.value = player?.name ?? "";
-      }
-      const made = items.find((one) => ["queued", "recording"].includes(one.state));
-      write(asked, made ? `Recording ${made.name} is ${made.state}${made.progress != null ? `, ${percent(made.progress)}` : ""}.` : "");
-      const ready = items.find((one) => one.name === wanted && (one.state === "done" || (one.state === "recording" && one.bytes > 0)));
-      if (ready && player?.name !== wanted) await choosePlayer(wanted);
-      if (player && player.recording?.state === "recording") await player.open(signal).then(bounds);
-    },
-    trouble,
-  );
-  const bounds = (): void => {
-    if (!player) return;
-    time.min = String(player.from);
-    time.max = String(Math.max(player.from, player.to - 1));
-    time.step = String(player.recording?.every_steps ?? 1);
+  const list = (items: readonly RecordingSummary[]): void => {
+    const known = items.map((one) => `${one.name} ${one.state}`).join(" ");
+    if (known === names) return;
+    names = known;
+    source.replaceChildren(
+      h("option", { value: "" }, "live"),
+      ...items.filter((one) => one.bytes > 0 && one.state !== "queued").map((one) => h("option", { value: one.name },
+        `recording ${one.name}: epochs ${whole(one.from_epoch)} to ${whole(one.from_epoch + one.epochs - 1)}, every ${one.every_steps === 1 ? "step" : `${one.every_steps} steps`}`)),
+    );
+    source.value = player?.name ?? "";
   };
-  const choosePlayer = async (name: string): Promise<void> => {
-    stopPlaying();
-    choose("replay", name || null);
-    source.value = name;
-    show(controls, name !== "");
-    if (!name) {
-      player = null;
-      wanted = "";
-      choose("at", null);
-      show(besideElement, false);
-      onFrame(null);
-      return;
-    }
+  const every = (): number => player?.recording?.every_steps ?? 1;
+  const close = (): void => {
+    halt();
+    player = null;
+    for (const name of ["replay", "at", "beside"]) choose(name, null);
+    source.value = "";
+    other.value = "";
+    show(controls, false);
+    void second.choose("", null);
+    seen(null, null);
+  };
+  const open = async (name: string): Promise<void> => {
+    halt();
+    if (!name) return close();
     const next = new Player(run, name, trouble);
     const head = await next.open();
     player = next;
-    wanted = "";
-    bounds();
-    if (step < next.from || step >= next.to) step = next.from;
-    const per = head.steps_per_epoch;
-    const count = Math.ceil((next.to - next.from) / per);
+    choose("replay", name);
+    list(recording.items);
+    source.value = name;
+    show(controls, true);
+    time.min = String(next.from);
+    time.max = String(next.last);
+    time.step = String(head.every_steps);
     epoch.min = String(head.from_epoch);
-    epoch.max = String(head.from_epoch + Math.max(count - 1, 0));
-    marks.replaceChildren(...(count <= 200 ? Array.from({ length: count }, (_, n) => h("option", { value: next.from + n * per })) : []));
-    if (options.get("beside")) await chooseBeside(options.get("beside")!);
-    await draw();
+    epoch.max = String(head.from_epoch + Math.max(head.epochs - 1, 0));
+    if (step < next.from || step > next.last) step = next.from;
+    marked.draw(head, next.from, next.last, stayed);
+    await go(step);
+    if (other.value) await besides(other.value);
   };
-  /** Draws the moment, waiting until it has been read. */
-  const draw = async (): Promise<void> => {
-    const now = player;
-    if (!now) return;
-    for (let tries = 0; tries < 100 && player === now; tries++) {
-      const frame = now.frameAt(step);
-      if (frame) {
-        showFrame(frame);
-        return;
-      }
-      await new Promise((resolve) => setTimeout(resolve, 50));
-    }
-  };
-  const showFrame = (frame: Frame): void => {
-    onFrame(frame);
+  const draw = (frame: Frame): void => {
+    const head = player!.recording!;
+    seen(frame, countedSteps(head, step));
     time.value = String(step);
-    const per = player!.recording!.steps_per_epoch;
-    const number = Math.min(Math.floor(frame.step / per), Number(epoch.max));
+    const per = head.steps_per_epoch;
+    const number = Math.min(Math.floor(step / per), Number(epoch.max));
     if (document.activeElement !== epoch) epoch.value = String(number);
-    const said = sentence(`epoch ${whole(number)}`, `step ${whole(frame.step - number * per)} of ${whole(per)}`, frame.phase, `${frame.time_s.toFixed(1)} s simulated`, frame.isTraining && "in the training arena");
+    const said = sentence(`epoch ${whole(number)}`, `step ${whole(step - number * per)} of ${whole(per)}`, frame.phase, `${frame.time_s.toFixed(1)} s simulated`, frame.isTraining && "in the training arena");
     write(where, said);
     time.setAttribute("aria-valuetext", said);
-    if (other) {
-      const beside = other.frameAt(step);
-      if (beside) second.frame(beside);
-    }
+    second.frame(step);
   };
-  const stopPlaying = (): void => {
+  const halt = (): void => {
     playing = false;
     cancelAnimationFrame(tick);
     write(play, "Play");
@@ -174,23 +133,22 @@ export function replay(run: string, options: URLSearchParams, onFrame: (frame: F
     const seconds = Math.min((now - last) / 1000, 0.25);
     last = now;
     exact += (seconds * speed) / (player.recording?.step_s ?? 0.064);
-    const next = Math.min(Math.floor(exact), player.to - 1);
+    const next = Math.min(Math.floor(exact), player.last);
     const frame = player.frameAt(next);
-    if (frame && (!other || other.frameAt(next))) {
+    if (frame && second.frame(next)) {
       step = next;
-      showFrame(frame);
+      draw(frame);
     } else {
       // What has not come yet is waited for.
       exact = step;
     }
-    if (step >= player.to - 1) return stopPlaying();
+    if (step >= player.last) return halt();
     tick = requestAnimationFrame(advance);
   };
-  let exact = 0;
   const toggle = (): void => {
     if (!player) return;
-    if (playing) return stopPlaying();
-    if (step >= player.to - 1) step = player.from;
+    if (playing) return halt();
+    if (step >= player.last) step = player.from;
     playing = true;
     exact = step;
     last = performance.now();
@@ -198,85 +156,93 @@ export function replay(run: string, options: URLSearchParams, onFrame: (frame: F
     play.setAttribute("aria-pressed", "true");
     tick = requestAnimationFrame(advance);
   };
-  const go = (to: number): void => {
-    if (!player) return;
-    step = Math.min(Math.max(to, player.from), player.to - 1);
+  /** Goes to a step, waiting until it has been read. */
+  const go = async (to: number): Promise<void> => {
+    const now = player;
+    if (!now) return;
+    step = Math.min(Math.max(to, now.from), now.last);
     exact = step;
     if (!playing) choose("at", String(step));
-    void draw();
+    const wanted = step;
+    const [frame] = await Promise.all([now.load(wanted), second.load(wanted)]);
+    if (frame && player === now && step === wanted) draw(frame);
   };
-  const every_steps = (): number => player?.recording?.every_steps ?? 1;
+  const besides = async (id: string): Promise<void> => {
+    choose("beside", id || null);
+    await second.choose(id, player?.recording ?? null);
+    await go(step);
+  };
+
   play.addEventListener("click", toggle);
-  back.addEventListener("click", () => go(step - every_steps()));
-  on.addEventListener("click", () => go(step + every_steps()));
-  time.addEventListener("input", () => go(Number(time.value)));
-  epoch.addEventListener("change", () => go(Number(epoch.value) * (player?.recording?.steps_per_epoch ?? 1)));
+  back.addEventListener("click", () => void go(step - every()));
+  on.addEventListener("click", () => void go(step + every()));
+  time.addEventListener("input", () => void go(Number(time.value)));
+  epoch.addEventListener("change", () => void go(Number(epoch.value) * (player?.recording?.steps_per_epoch ?? 1)));
   pace.addEventListener("change", () => {
     speed = Number(pace.value);
     choose("speed", speed === 8 ? null : pace.value);
   });
-  source.addEventListener("change", () => void choosePlayer(source.value).catch(trouble));
-
-  const chooseBeside = async (id: string): Promise<void> => {
-    choose("beside", id || null);
-    if (beside.value !== id) {
-      if (![...beside.options].some((option) => option.value === id)) beside.append(h("option", { value: id }, id.slice(0, 8)));
-      beside.value = id;
-    }
-    show(besideElement, id !== "");
-    other = null;
-    if (!id || !player?.recording) return;
-    // The same stretch of the other run: recorded now if it is not there yet.
-    const { from_epoch, epochs: count, every_steps } = player.recording;
-    const body = { from_epoch, epochs: count, every_steps, fields: ["pose", "command", "sensors", "decision"] };
-    const [arena, about, made] = await Promise.all([
-      read<Arena>(`/v1/runs/${id}/arena`), read<Run>(`/v1/runs/${id}`),
-      post<RecordingSummary>(`/v1/runs/${id}/recordings`, JSON.stringify(body)),
-    ]);
-    write(besideElement.querySelector("p")!, sentence(about.label || about.method, about.arena, `seed ${about.seed}`));
-    second.arena(arena, player.recording.body_radius_m, null);
-    const next = new Player(id, made.name, trouble);
-    for (let look = 0; look < 300; look++) {
-      const { items } = await read<{ items: RecordingSummary[] }>(`/v1/runs/${id}/recordings`);
-      const state = items.find((one) => one.name === made.name)?.state;
-      if (state === "done" || state === undefined) break;
-      await new Promise((resolve) => setTimeout(resolve, 500));
-    }
-    if (beside.value !== id) return;
-    await next.open();
-    other = next;
-    for (let look = 0; look < 100 && !other.frameAt(step); look++) await new Promise((resolve) => setTimeout(resolve, 50));
-    await draw();
-  };
-  beside.addEventListener("change", () => void chooseBeside(beside.value).catch(trouble));
+  source.addEventListener("change", () => {
+    if (source.value) recording.want(source.value);
+    else close();
+  });
+  other.addEventListener("change", () => void besides(other.value).catch(trouble));
   const key = (event: KeyboardEvent): void => {
-    if (!player || (event.target as HTMLElement | null)?.matches("input:not([type=range]), select, textarea, canvas")) return;
-    if (event.key === " " && !(event.target as HTMLElement | null)?.matches("button, a, summary")) toggle();
-    else if (event.key === "ArrowRight" && !(event.target as HTMLElement | null)?.matches("input")) go(step + every_steps());
-    else if (event.key === "ArrowLeft" && !(event.target as HTMLElement | null)?.matches("input")) go(step - every_steps());
+    const target = event.target as HTMLElement | null;
+    if (!player || target?.matches("input:not([type=range]), select, textarea, canvas")) return;
+    const isRange = target?.matches("input") ?? false;
+    if (event.key === " " && !target?.matches("button, a, summary")) toggle();
+    else if (event.key === "ArrowRight" && !isRange) void go(step + every());
+    else if (event.key === "ArrowLeft" && !isRange) void go(step - every());
     else return;
     event.preventDefault();
     event.stopImmediatePropagation();
   };
   addEventListener("keydown", key);
+
+  const wished = options.get("beside");
+  if (wished) {
+    other.append(h("option", { value: wished }, wished.slice(0, 8)));
+    other.value = wished;
+  }
+  if (options.get("replay")) recording.want(options.get("replay")!);
   let job = "";
+  let state = "";
   return {
     element,
-    beside: besideElement,
-    job: (id) => {
-      if (job === id) return;
-      job = id;
-      read<Page<Run>>(`/v1/jobs/${id}/runs?limit=50`).then(({ items: runs }) => {
-        const chosen = beside.value;
-        beside.replaceChildren(h("option", { value: "" }, "nothing"), ...runs.filter((one) => one.id !== run).map((one) =>
+    beside: second.element,
+    scene: second.scene,
+    run: (about) => {
+      if (state !== about.state && state !== "") recording.look();
+      state = about.state;
+      if (job === about.job_id) return;
+      job = about.job_id;
+      read<Page<Run>>(`/v1/jobs/${job}/runs?limit=50`).then(({ items: runs }) => {
+        const chosen = other.value;
+        const others = runs.filter((one) => one.id !== run);
+        other.replaceChildren(h("option", { value: "" }, "nothing"), ...others.map((one) =>
           h("option", { value: one.id }, sentence(one.label || one.method, `seed ${one.seed}`))));
-        if (chosen) beside.value = chosen;
+        if (chosen && !others.some((one) => one.id === chosen)) other.append(h("option", { value: chosen }, chosen.slice(0, 8)));
+        other.value = chosen;
       }, trouble);
+    },
+    stayed: (all) => {
+      stayed = all;
+      if (player?.recording) marked.draw(player.recording, player.from, player.last, stayed);
+    },
+    show: (one, per) => {
+      pick(one.robot);
+      step = one.from_step;
+      if (player && player.from <= step && step < player.last) return void go(step);
+      const there = recording.items.find((item) => item.state === "done" && item.from_epoch <= one.epoch && one.epoch < item.from_epoch + item.epochs);
+      if (there) return recording.want(there.name);
+      const end = Math.floor((one.from_step + Math.max(one.steps, 1) - 1) / per);
+      recording.record(one.epoch, Math.min(Math.max(end - one.epoch + 1, 1), MOST_FOR_A_MOMENT), 1);
     },
     stop: () => {
       playing = false;
       cancelAnimationFrame(tick);
-      looking.stop();
+      recording.stop();
       second.stop();
       removeEventListener("keydown", key);
     },

@@ -6,7 +6,7 @@ import { HEAT, heat, look, themed } from "../looks";
 import type { Arena } from "../types";
 import { whole } from "../words";
 import type { Frame, Squares } from "./frames";
-import { MOUNTS, RANGE_M } from "./body";
+import { drawObjects, drawRadio, drawRays, hatch, type Sheet } from "./overlays";
 
 export const LAYERS = {
   visits: "visits (log scale)",
@@ -22,6 +22,10 @@ export interface Scene {
   arena(arena: Arena, radius_m: number, radioRange_m: number | null): void;
   frame(frame: Frame): void;
   squares(squares: Squares): void;
+  /** Shows only squares that had been entered after so many counted steps; all for null. */
+  until(steps: number | null): void;
+  /** Which squares can be reached: a text a row, the lowest y first, with `0` for those that cannot. */
+  reach(rows: readonly string[] | null): void;
   layer(layer: Layer): void;
   over(what: Over, on: boolean): void;
   choose(robot: number): void;
@@ -30,6 +34,8 @@ export interface Scene {
   stop(): void;
 }
 
+/** Least time between two pictures of what was covered by a moment of a recording. */
+const GROUND_EVERY_MS = 100;
 const LEGEND_STEPS = 64;
 const MOST_HIGH_PX = 640;
 /** Robots that have colours and trails of their own. */
@@ -65,12 +71,15 @@ export function scene(onChoose: (robot: number) => void): Scene {
   let before: Uint32Array | null = null;
   let last: Float64Array | null = null;
   let layer: Layer = "visits";
+  let until: number | null = null;
+  let reachable: readonly string[] | null = null;
   let robot = 0;
   let trails: Float32Array[] = [];
   let lengths: number[] = [];
   let colours = { floor: "", ink: "", accent: "", warm: "", line: "" };
   let due = 0;
   let groundDue = false;
+  let ground_at = 0;
 
   const theme = (): void => {
     colours = {
@@ -86,11 +95,16 @@ export function scene(onChoose: (robot: number) => void): Scene {
     due = 0;
     if (!arena) return;
     const start = performance.now();
-    if (groundDue) drawGround(arena);
-    groundDue = false;
+    const isSoon = until !== null && start - ground_at < GROUND_EVERY_MS;
+    if (groundDue && !isSoon) {
+      drawGround(arena);
+      ground_at = start;
+      groundDue = false;
+    }
     drawSwarm(arena);
     drawn.pictures += 1;
     drawn.ms += performance.now() - start;
+    if (groundDue) ask(false);
   };
   const fit = (): void => {
     if (!arena) return;
@@ -115,8 +129,8 @@ export function scene(onChoose: (robot: number) => void): Scene {
       for (const count of s.visits) if (count > most) most = count;
       const top = Math.log1p(most);
       return {
-        value: (n) => (s.visits[n]! > 0 ? Math.log1p(s.visits[n]!) / top : -1),
-        low: "1 entry", high: `${whole(most)} entries (log scale)`,
+        value: (n) => (s.visits[n]! > 0 && isBy(s, n) ? Math.log1p(s.visits[n]!) / top : -1),
+        low: "1 entry", high: `${whole(most)} entries (log scale)${until === null ? "" : ", of the whole run, where entered by now"}`,
       };
     }
     const at = layer === "first" ? s.first : last;
@@ -125,12 +139,13 @@ export function scene(onChoose: (robot: number) => void): Scene {
     return {
       value: (n) => {
         const value = at?.[n] ?? -1;
-        return value < 0 ? -1 : value / top;
+        return value < 0 || !isBy(s, n) ? -1 : value / top;
       },
       low: layer === "first" ? "entered first at step 0" : "entered when you began to look",
       high: layer === "first" ? `at step ${whole(top)}` : "just now",
     };
   };
+  const isBy = (s: Squares, n: number): boolean => until === null || s.first[n]! <= until;
   const drawGround = (where: Arena): void => {
     const pen = ground.getContext("2d");
     if (!pen) return;
@@ -160,6 +175,7 @@ export function scene(onChoose: (robot: number) => void): Scene {
       write(low, map.low);
       write(high, map.high);
     }
+    if (reachable && !frame?.isTraining) hatch(pen, reachable, ground.width, ground.height, colours.line, density);
     show(legend, map !== null);
     pen.strokeStyle = colours.ink;
     pen.lineWidth = 2 * density;
@@ -192,15 +208,9 @@ export function scene(onChoose: (robot: number) => void): Scene {
     if (!frame) return;
     const k = scale * density;
     const top = swarm.height;
-    const { poses, objects, robots } = frame;
-    if (objects.length) {
-      pen.strokeStyle = colours.ink;
-      pen.fillStyle = `${OBJECT_FILL}`;
-      pen.lineWidth = 1.5 * density;
-      for (let n = 0; n * 3 < objects.length; n++) {
-        object(pen, where.objects?.[n], objects[n * 3]! * k, top - objects[n * 3 + 1]! * k, objects[n * 3 + 2]!, k);
-      }
-    }
+    const { poses, robots } = frame;
+    const sheet: Sheet = { k, top, density };
+    if (frame.objects.length) drawObjects(pen, frame, where.objects ?? [], sheet, colours.ink);
     if (!shown.robots) return;
     const r = Math.max(radius_m * k, 1.5 * density);
     if (shown.trails) {
@@ -220,8 +230,8 @@ export function scene(onChoose: (robot: number) => void): Scene {
       });
       pen.globalAlpha = 1;
     }
-    if (shown.rays) rays(pen, frame, k, top);
-    if (shown.radio && range_m !== null && robot < robots) radio(pen, frame, k, top);
+    if (shown.rays) drawRays(pen, frame, sheet, colours);
+    if (shown.radio && range_m !== null) drawRadio(pen, frame, robot, range_m, sheet, colours);
     if (robots <= COLOURED) {
       for (let n = 0; n < robots; n++) {
         pen.fillStyle = look(n).colour;
@@ -262,52 +272,6 @@ export function scene(onChoose: (robot: number) => void): Scene {
       pen.arc(poses[robot * 3]! * k, top - poses[robot * 3 + 1]! * k, r + 4 * density, 0, 2 * Math.PI);
       pen.stroke();
     }
-  };
-  /** Directions of sensors, the stronger the nearer something is. */
-  const rays = (pen: CanvasRenderingContext2D, f: Frame, k: number, top: number): void => {
-    pen.lineWidth = 1.5 * density;
-    // Few strokes: rays of about the same strength are one path.
-    for (let level = 0; level < 4; level++) {
-      pen.globalAlpha = [0.18, 0.45, 0.7, 1][level]!;
-      pen.strokeStyle = level === 0 ? colours.line : colours.warm;
-      pen.beginPath();
-      for (let n = 0; n < f.robots; n++) {
-        const [x, y, heading] = [f.poses[n * 3]!, f.poses[n * 3 + 1]!, f.poses[n * 3 + 2]!];
-        const [cos, sin] = [Math.cos(heading), Math.sin(heading)];
-        for (let s = 0; s < 8; s++) {
-          const value = f.sensors[n * 8 + s]!;
-          const strength = value < 100 ? 0 : value < 500 ? 1 : value < 1500 ? 2 : 3;
-          if (strength !== level) continue;
-          const mount = MOUNTS[s]!;
-          const mx = x + mount.x_m * cos - mount.y_m * sin;
-          const my = y + mount.x_m * sin + mount.y_m * cos;
-          const angle = heading + mount.heading_rad;
-          pen.moveTo(mx * k, top - my * k);
-          pen.lineTo((mx + RANGE_M * Math.cos(angle)) * k, top - (my + RANGE_M * Math.sin(angle)) * k);
-        }
-      }
-      pen.stroke();
-    }
-    pen.globalAlpha = 1;
-  };
-  /** The range of the chosen robot's radio, and lines to whom it covers. */
-  const radio = (pen: CanvasRenderingContext2D, f: Frame, k: number, top: number): void => {
-    const [x, y] = [f.poses[robot * 3]!, f.poses[robot * 3 + 1]!];
-    pen.strokeStyle = colours.warm;
-    pen.lineWidth = density;
-    pen.setLineDash([4 * density, 4 * density]);
-    pen.beginPath();
-    pen.arc(x * k, top - y * k, range_m! * k, 0, 2 * Math.PI);
-    pen.stroke();
-    pen.setLineDash([]);
-    pen.beginPath();
-    for (let n = 0; n < f.robots; n++) {
-      const [ox, oy] = [f.poses[n * 3]!, f.poses[n * 3 + 1]!];
-      if (n === robot || (ox - x) ** 2 + (oy - y) ** 2 > range_m! ** 2) continue;
-      pen.moveTo(x * k, top - y * k);
-      pen.lineTo(ox * k, top - oy * k);
-    }
-    pen.stroke();
   };
   const addToTrails = (f: Frame): void => {
     const steps = frame ? f.step - frame.step : 0;
@@ -374,6 +338,15 @@ export function scene(onChoose: (robot: number) => void): Scene {
       squares = next;
       ask(true);
     },
+    until: (steps) => {
+      if (until === steps) return;
+      until = steps;
+      if (squares && layer !== "none") ask(true);
+    },
+    reach: (rows) => {
+      reachable = rows;
+      ask(true);
+    },
     layer: (next) => {
       layer = next;
       ask(true);
@@ -400,21 +373,3 @@ export function scene(onChoose: (robot: number) => void): Scene {
     pen.lineTo(x + r * Math.cos(heading), y - r * Math.sin(heading));
   }
 }
-
-const OBJECT_FILL = "#b9770e88";
-
-/** A movable object: a box with its sides, else a disc. */
-function object(pen: CanvasRenderingContext2D, what: Record<string, unknown> | undefined, x: number, y: number, heading: number, k: number): void {
-  const number = (name: string): number | null => (typeof what?.[name] === "number" ? (what[name] as number) : null);
-  pen.save();
-  pen.translate(x, y);
-  pen.rotate(-heading);
-  pen.beginPath();
-  const [width, height] = [number("width_m"), number("height_m") ?? number("length_m")];
-  if (width !== null && height !== null) pen.rect((-width / 2) * k, (-height / 2) * k, width * k, height * k);
-  else pen.arc(0, 0, (number("radius_m") ?? 0.02) * k, 0, 2 * Math.PI);
-  pen.fill();
-  pen.stroke();
-  pen.restore();
-}
-

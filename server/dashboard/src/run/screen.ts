@@ -5,12 +5,16 @@ import { h, keyed, measure, show, write } from "../dom";
 import { choose, link } from "../route";
 import { post, read, watch } from "../server";
 import { events } from "../stream";
-import type { Arena, Coverage, CurveRow, Learnt, Progress, Run, RunSpec } from "../types";
+import type { Coverage, CurveRow, Learnt, Progress, Run, RunSpec } from "../types";
 import { bytes, figure, pace, percent, sentence, whole } from "../words";
+import { arenasOf, type Arenas } from "./arenas";
 import { curveChart } from "./curve";
+import { explainer, reachOf } from "./explain";
+import { forkDialog } from "./fork";
 import { watchFrames, type Frame } from "./frames";
+import { hearers } from "./overlays";
 import { replay } from "./replay";
-import { LAYERS, scene, type Layer, type Over } from "./scene";
+import { LAYERS, scene, type Layer, type Over, type Scene } from "./scene";
 import { senses } from "./senses";
 import { tableView } from "./table";
 
@@ -31,6 +35,7 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
   const bar = h("progress", { max: 1, "aria-label": "Share of the work done" });
   const facts = h("p", { class: "facts" });
   const moment = h("p", { class: "facts moment" });
+  const told = h("p", { class: "facts", hidden: true });
   const why = h("p", { class: "bad", hidden: true });
   const job = h("a", { class: "button" }, "Its job");
   const figures = h("dl", { class: "figures" });
@@ -38,7 +43,7 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
   const files = h("ul", { class: "plain files", "aria-label": "Files of this run" });
 
   const act = (name: string, what: string, body?: string, sure?: string): HTMLButtonElement => {
-    const button = h("button", { type: "button", hidden: true }, name);
+    const button = h("button", { type: "button", class: "changes", hidden: true }, name);
     button.addEventListener("click", () => {
       if (sure && !confirm(sure)) return;
       post<Run>(`/v1/runs/${id}/${what}`, body).then(showRun, trouble);
@@ -53,40 +58,54 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
   let robot = Math.max(0, Number(options.get("robot")) || 0);
   const picture = scene((chosen) => chooseRobot(chosen));
   let isReplaying = false;
-  const player = replay(id, options, (next) => {
+  const player = replay(id, options, (next, counted) => {
+    const was = isReplaying;
     isReplaying = next !== null;
+    picture.until(counted);
     if (next) {
+      // Nothing live is sent while a recording is shown.
+      if (!was) {
+        isLive = false;
+        if (isCovered) seeing.stop();
+      }
       seen(next);
       write(moment, "");
-    } else {
+    } else if (was) {
       seeing.stop();
+      isLive = true;
       seeing = watchNow();
     }
+  }, (chosen) => chooseRobot(chosen));
+  const scenes: Scene[] = [picture, player.scene];
+  const why_it_did = explainer(id, options, player.stayed, (one) => {
+    if (spec) player.show(one, spec.steps_per_epoch);
+    picture.element.scrollIntoView({ block: "nearest" });
   });
+  const fork = forkDialog(id);
   const body = senses();
   const table = tableView();
   const curve = curveChart();
   const layer = h("select", { id: "layer" }, ...Object.entries(LAYERS).map(([value, text]) => h("option", { value }, text)));
   const chosenLayer = options.get("layer");
   if (chosenLayer && chosenLayer in LAYERS) layer.value = chosenLayer;
-  picture.layer(layer.value as Layer);
+  for (const one of scenes) one.layer(layer.value as Layer);
   layer.addEventListener("change", () => {
     choose("layer", layer.value === "visits" ? null : layer.value);
-    picture.layer(layer.value as Layer);
+    for (const one of scenes) one.layer(layer.value as Layer);
   });
   const on = new Set((options.get("show") ?? "robots trails").split(" "));
   const over = (what: Over, text: string): HTMLElement => {
     const box = h("input", { type: "checkbox", checked: on.has(what) });
-    picture.over(what, on.has(what));
+    for (const one of scenes) one.over(what, on.has(what));
     box.addEventListener("change", () => {
       if (box.checked) on.add(what);
       else on.delete(what);
       choose("show", [...on].join(" "));
-      picture.over(what, box.checked);
+      for (const one of scenes) one.over(what, box.checked);
     });
     return h("label", {}, box, ` ${text}`);
   };
-  const radio = over("radio", "radio range");
+  const radio = over("radio", "who tells whom by radio");
   const number = h("input", { id: "robot", type: "number", min: 0, value: robot });
   number.addEventListener("change", () => chooseRobot(Number(number.value)));
   const tools = h(
@@ -99,10 +118,10 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
   const element = h(
     "article",
     { class: "screen panel run" },
-    h("div", { class: "head" }, heading, badge, h("span", { class: "actions" }, pause, resume, step, cancel, job)),
-    bar, facts, why,
+    h("div", { class: "head" }, heading, badge, h("span", { class: "actions" }, pause, resume, step, cancel, why_it_did.button, fork.button, job)),
+    why_it_did.element, bar, facts, why,
     h("div", { class: "two" },
-      h("div", { class: "left" }, tools, picture.element, player.beside, player.element, moment, curve.element),
+      h("div", { class: "left" }, tools, h("div", { class: "scenes" }, picture.element, player.beside), player.element, moment, told, curve.element),
       h("div", { class: "right" }, h("h3", {}, "This run"), figures, h("h3", {}, "One robot"), chooser, learner, body.element, table.element)),
     h("h3", {}, "Files"),
     files,
@@ -110,11 +129,13 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
 
   let run: Run | null = null;
   let spec: RunSpec | null = null;
-  let arenas: { target: Arena; training: Arena } | null = null;
+  let arenas: Arenas | null = null;
   let frame: Frame | null = null;
   let running = false;
   let rate = { at: 0, step: 0, pictures: 0 };
   let isStale = true;
+  let isLive = true;
+  let isCovered = false;
   let asked = "";
 
   const chooseRobot = (next: number): void => {
@@ -131,11 +152,20 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
   const showRobot = (f: Frame): void => {
     body.draw(f, robot);
     table.at(f.choice(robot));
+    const range = rangeOf(spec);
+    show(told, range !== null && on.has("radio"));
+    if (range !== null && on.has("radio")) {
+      const heard = hearers(f, robot, range);
+      const some = heard.slice(0, 20).join(", ");
+      write(told, heard.length === 0
+        ? `Robot ${robot} tells nobody at this step: none is in range of its radio.`
+        : `Robot ${robot} and ${heard.length === 1 ? "robot" : "robots"} ${some}${heard.length > 20 ? ` and ${whole(heard.length - 20)} more` : ""} tell each other at this step.`);
+    }
   };
   const showArena = (): void => {
     if (!spec || !arenas) return;
     const where = frame?.isTraining ? arenas.training : arenas.target;
-    const range = spec.sharing?.mode === "radio" ? (spec.sharing.range_m ?? null) : null;
+    const range = rangeOf(spec);
     show(radio, range !== null);
     picture.arena(where, spec.robot?.body_radius_m ?? 0.037, range);
   };
@@ -172,7 +202,8 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
     write(badge, next.state);
     badge.dataset["state"] = next.state;
     job.href = link("job", next.job_id);
-    player.job(next.job_id);
+    player.run(next);
+    fork.run(next);
     running = next.state === "running";
     show(pause, ["queued", "running"].includes(next.state));
     show(resume, next.state === "paused");
@@ -206,10 +237,14 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
       seen(next);
       showMoment(next);
     },
-    squares: (squares) => picture.squares(squares),
+    squares: (squares) => {
+      picture.squares(squares);
+      isCovered = true;
+      // Beside a recording what was covered in all is wanted once.
+      if (!isLive) seeing.stop();
+    },
     waiting: () => write(moment, run?.state === "paused" ? "Paused: this is where the robots stand." : "Waits for a worker."),
-    // Nothing live is sent while a recording is shown.
-    isOver: () => isReplaying || (run !== null && ENDED.includes(run.state)),
+    isOver: () => !isLive || (run !== null && ENDED.includes(run.state)),
   });
   let seeing = watchNow();
   // What a robot has learnt is asked for while it changes, and of a method that learns.
@@ -245,6 +280,7 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
         arenas = await arenasOf(id, spec, signal);
         if (run) showProgress(run.progress ?? null);
         showArena();
+        void reachOf(id).then((rows) => picture.reach(rows));
       }
       if (!run || !isStale || ["failed", "cancelled"].includes(run.state)) return;
       isStale = false;
@@ -282,7 +318,7 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
     element,
     title: `Run ${id.slice(0, 8)}`,
     stop: () => {
-      for (const stopping of [hearing, seeing, asking, finding, picture, curve, player]) stopping.stop();
+      for (const stopping of [hearing, seeing, asking, finding, picture, curve, player, why_it_did]) stopping.stop();
       removeEventListener("keydown", key);
     },
   };
@@ -293,11 +329,9 @@ async function fileTable(): Promise<RunFile[]> {
   return ((await import(/* @vite-ignore */ script)) as { FILES: RunFile[] }).FILES;
 }
 
-/** The arenas of a run, their walls written out. */
-async function arenasOf(id: string, spec: RunSpec, signal: AbortSignal): Promise<{ target: Arena; training: Arena }> {
-  const target = await read<Arena>(`/v1/runs/${id}/arena`, signal);
-  const trains = spec.controller.train?.arena !== undefined;
-  return { target, training: trains ? await read<Arena>(`/v1/runs/${id}/arena?of=training`, signal) : target };
+/** How far radios reach; null where robots tell each other nothing by radio. */
+function rangeOf(spec: RunSpec | null): number | null {
+  return spec?.sharing?.mode === "radio" ? (spec.sharing.range_m ?? Infinity) : null;
 }
 
 function rowsOf(run: Run, spec: RunSpec, coverage: Coverage): [string, string][] {

@@ -22,7 +22,7 @@ const FIRST: Json = {
 export function submitScreen(options: URLSearchParams): Screen {
   const text = h("textarea", { id: "document", rows: 26, spellcheck: "false", "aria-describedby": "errors" });
   const errors = h("ul", { id: "errors", class: "plain bad" });
-  const start = h("button", { type: "submit", class: "primary" }, "Start");
+  const start = h("button", { type: "submit", class: "primary changes" }, "Start");
   const template = h("select", { id: "template" }, h("option", { value: "" }, "choose …"));
   const about = h("p", { class: "quiet" });
   const estimate = h("p", { class: "estimate", role: "status" });
