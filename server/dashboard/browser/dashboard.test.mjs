@@ -14,8 +14,6 @@ after(async () => {
   await server?.stop();
 });
 
-/** Builds may use the machine beside the tests. */
-const WAIT = { timeout: 60_000 };
 const SMALL = { arena: "easy", epochs: 20, steps_per_epoch: 200, controller: { method: "brownian" } };
 
 test("a first visit teaches, and one button starts the first job", async () => {
@@ -32,7 +30,7 @@ test("a first visit teaches, and one button starts the first job", async () => {
   await page.getByRole("button", { name: "Cancel" }).waitFor();
   page.on("dialog", (dialog) => dialog.accept());
   await page.getByRole("button", { name: "Cancel" }).click();
-  await page.locator("article .badge", { hasText: "cancelled" }).first().waitFor({ timeout: 60_000 });
+  await page.locator("article .badge", { hasText: "cancelled" }).first().waitFor();
   assert.deepEqual(wrong, []);
   await page.close();
 });
@@ -50,7 +48,7 @@ test("a restart of the server is told, and survived", async () => {
   await page.getByRole("alert").filter({ hasText: "cannot be reached" }).waitFor();
   await page.getByRole("alert").filter({ hasText: /shown is [1-9]\d* s old/ }).waitFor();
   server = await server.again();
-  await page.getByRole("alert").filter({ hasText: "cannot be reached" }).waitFor({ state: "hidden", timeout: 30_000 });
+  await page.getByRole("alert").filter({ hasText: "cannot be reached" }).waitFor({ state: "hidden" });
   const step = async () => Number(/step ([\d,]+)/.exec(await page.locator(".moment").textContent())?.[1].replaceAll(",", ""));
   const before = await step();
   await page.waitForFunction((seen) => Number(/step ([\d,]+)/.exec(document.querySelector(".moment").textContent)?.[1].replaceAll(",", "")) > seen, before);
@@ -66,14 +64,14 @@ test("a server with a token asks for it, and a wrong one is asked for again", as
     await page.goto(other.url);
     await page.locator("#token").fill("not this one, by far");
     await page.getByRole("button", { name: "Continue" }).click();
-    await page.locator("dialog .bad", { hasText: "not a token of this server" }).waitFor(WAIT);
+    await page.locator("dialog .bad", { hasText: "not a token of this server" }).waitFor();
     await page.locator("#token").fill(token);
     await assertWell(page, "token");
     await page.getByRole("button", { name: "Continue" }).click();
-    await page.getByRole("heading", { name: "No jobs yet" }).waitFor(WAIT);
+    await page.getByRole("heading", { name: "No jobs yet" }).waitFor();
     const job = await other.post("/v1/jobs", { name: "behind a token", base: { ...SMALL, epochs: 1_000_000 } });
     await page.goto(`${other.url}/#/jobs/${job.id}`);
-    await page.locator("article .badge", { hasText: "running" }).first().waitFor(WAIT);
+    await page.locator("article .badge", { hasText: "running" }).first().waitFor();
     assert.deepEqual(wrong, []);
     await page.close();
   } finally {
@@ -90,22 +88,22 @@ test("a token that only reads sees everything and is told what it may not do", a
     await page.goto(`${other.url}/#/jobs/${job.id}`);
     await page.locator("#token").fill(reader);
     await page.getByRole("button", { name: "Continue" }).click();
-    await page.locator("article .badge", { hasText: "running" }).first().waitFor(WAIT);
+    await page.locator("article .badge", { hasText: "running" }).first().waitFor();
     assert.equal(await page.getByRole("alert").isVisible(), false);
     page.on("dialog", (dialog) => dialog.accept());
     await page.locator("article").getByRole("button", { name: "Cancel" }).click();
-    await page.locator("#alert", { hasText: "allows to read, not to change" }).waitFor(WAIT);
-    await page.getByText("read only").waitFor(WAIT);
+    await page.locator("#alert", { hasText: "allows to read, not to change" }).waitFor();
+    await page.getByText("read only").waitFor();
     // What would be refused is not offered any more; the job goes on.
     assert.equal(await page.locator("article").getByRole("button", { name: "Cancel" }).isVisible(), false);
     await assertWell(page, "read only");
     await page.getByRole("link", { name: "New job" }).click();
     // Documents may be checked: that changes nothing.
-    await page.locator(".estimate", { hasText: "30 runs" }).waitFor(WAIT);
+    await page.locator(".estimate", { hasText: "30 runs" }).waitFor();
     assert.equal(await page.getByRole("button", { name: "Start", exact: true }).isVisible(), false);
     await page.goto(`${other.url}/#/`);
-    await page.locator("#server-title").waitFor(WAIT);
-    await page.locator("dd", { hasText: "1 of 2 step a run" }).waitFor(WAIT);
+    await page.locator("#server-title").waitFor();
+    await page.locator("dd", { hasText: "1 of 2 step a run" }).waitFor();
     await assertWell(page, "overview, read only");
     await picture(page, "read-only");
     assert.deepEqual(wrong, []);
@@ -133,16 +131,16 @@ async function overviewOf(server) {
   const busy = await server.post("/v1/jobs", { name: "keeps a thread busy", base: { ...SMALL, epochs: 1_000_000, seed: 78 } });
   const { page, wrong } = await openPage(browser, server);
   await page.goto(`${server.url}/#/`);
-  await page.locator("#server-title").waitFor(WAIT);
-  await page.locator("section .facts", { hasText: "It is ready." }).waitFor(WAIT);
+  await page.locator("#server-title").waitFor();
+  await page.locator("section .facts", { hasText: "It is ready." }).waitFor();
   const row = (name) => page.locator(".figures > div", { has: page.locator("dt", { hasText: name }) }).locator("dd");
-  await page.locator("dd", { hasText: /[1-2] of 2 step a run/ }).waitFor(WAIT);
+  await page.locator("dd", { hasText: /[1-2] of 2 step a run/ }).waitFor();
   assert.match(await row("memory").textContent(), /MiB|GiB/);
   assert.match(await row("disk left").textContent(), /GiB|MiB/);
-  await page.locator("dd", { hasText: "robot-steps/s" }).waitFor(WAIT);
+  await page.locator("dd", { hasText: "robot-steps/s" }).waitFor();
   const run = await server.firstRun(busy);
-  await page.locator("#server-title ~ ol a", { hasText: run.id.slice(0, 8) }).waitFor(WAIT);
-  await page.locator("#troubled-title ~ ol li", { hasText: /new: failed.*may hold/ }).waitFor(WAIT);
+  await page.locator("#server-title ~ ol a", { hasText: run.id.slice(0, 8) }).waitFor();
+  await page.locator("#troubled-title ~ ol li", { hasText: /new: failed.*may hold/ }).waitFor();
   await assertWell(page, "overview");
   await picture(page, "overview");
   // From anywhere a slash goes to the search, j and k go through jobs.
@@ -156,7 +154,7 @@ async function overviewOf(server) {
   assert.equal(await page.evaluate(() => document.activeElement?.getAttribute("href")), first);
   await page.keyboard.press("/");
   await page.keyboard.type("keeps a thread");
-  await page.locator("nav .card").nth(1).waitFor({ state: "detached", ...WAIT });
+  await page.locator("nav .card").nth(1).waitFor({ state: "detached" });
   assert.equal(await page.locator("nav .card").count(), 1);
   await server.post(`/v1/jobs/${busy.id}/cancel`, {});
   assert.deepEqual(wrong, []);

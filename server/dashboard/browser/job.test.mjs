@@ -51,8 +51,27 @@ test("the winner on the page is the winner of the summary, whatever page of runs
   assert.equal(await page.locator(".verdict").textContent(), comparison.verdict);
   assert.notEqual(comparison.verdict, "");
   assert.equal(await page.locator("table.runs tbody tr").count(), 30);
+  // One group's seeds lie on three pages of the table.
+  await page.getByLabel("a page").selectOption("10");
+  await page.getByRole("button", { name: "seed", exact: true }).click();
+  for (const [number, said] of ["1 to 10", "11 to 20", "21 to 30"].entries()) {
+    await page.locator(".pages", { hasText: `${said} of 30 runs` }).waitFor();
+    const rows = await page.locator("table.runs tbody tr").allTextContents();
+    assert.equal(rows.length, 10);
+    for (const { label } of means) assert.ok(rows.some((row) => row.includes(label)), `${label} on page ${number + 1}`);
+    await check();
+    assert.equal(await page.locator(".verdict").textContent(), comparison.verdict);
+    if (number < 2) await page.getByRole("button", { name: "Next runs" }).click();
+  }
+  assert.match(page.url(), /page=3/);
+  await page.reload();
+  await page.locator(".pages", { hasText: "21 to 30 of 30 runs" }).waitFor();
+  await check();
   await page.getByLabel("Filter runs").fill("brownian 1");
   await check();
+  await page.getByLabel("Filter runs").fill("");
+  await page.getByLabel("a page").selectOption("50");
+  await page.getByRole("button", { name: "what stands out" }).click();
   await assertWell(page, "job");
   await picture(page, "job");
   assert.deepEqual(wrong, []);
@@ -110,6 +129,36 @@ test("a link reproduces the view, and charts are taken along", async () => {
   assert.deepEqual([...wrong, ...otherWrong], []);
   await page.close();
   await other.close();
+});
+
+test("curves are in squares or shares, and a sweep of fields is a map and lines", async () => {
+  const job = await server.post("/v1/jobs", {
+    name: "a sweep",
+    base: SMALL,
+    matrix: { robots: [1, 2], epochs: [5, 10, 20], placement: ["grid", "random"] },
+    seeds: { first: 1, count: 3 },
+  });
+  assert.equal(await server.ended(job), "done");
+  const { page, wrong } = await openPage(browser, server);
+  await page.goto(`${server.url}/#/jobs/${job.id}?measure=p1_fraction`);
+  await page.locator(".legend li", { hasText: /[\d.]+%/ }).first().waitFor();
+  const { groups } = await server.read(`/v1/jobs/${job.id}/curves?measure=p1_fraction`);
+  const squares = (await server.read(`/v1/jobs/${job.id}/curves?measure=p1`)).groups;
+  const { reachable } = (await server.firstRun(job)).result;
+  assert.ok(Math.abs(groups[0].mean.at(-1) - squares[0].mean.at(-1) / reachable) < 1e-9);
+  await page.getByRole("heading", { name: "Two fields at once" }).waitFor();
+  await page.getByRole("heading", { name: "All fields at once" }).waitFor();
+  assert.equal(await page.locator('[aria-label="Parallel coordinates"] polyline').count(), 12);
+  await page.getByLabel("Rows").selectOption("epochs");
+  await page.getByLabel("Columns").selectOption("placement");
+  await page.waitForURL(/rows=epochs&columns=placement/);
+  await page.reload();
+  await page.waitForFunction(() => document.querySelector("#sweep-rows")?.value === "epochs" && document.querySelector("#sweep-columns")?.value === "placement");
+  assert.equal(await page.locator('[aria-label="Sweep"] rect').count(), 6);
+  await assertWell(page, "sweep");
+  await picture(page, "sweep", page.locator('[aria-label="Parallel coordinates"]'));
+  assert.deepEqual(wrong, []);
+  await page.close();
 });
 
 test("a job is paused, resumed, cancelled, tried again, extended and cloned", async () => {

@@ -5,7 +5,6 @@ import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { assertWell, openPage, picture, startBrowser, startServer } from "./setup.mjs";
 
-const WAIT = { timeout: 60_000 };
 let browser;
 let server;
 let job;
@@ -34,18 +33,18 @@ const moment = async (page) => {
   const [, epoch, step] = /epoch ([\d,]+) · step ([\d,]+)/.exec(await where(page).textContent()) ?? [];
   return [epoch, step].map((text) => Number(text?.replaceAll(",", "")));
 };
-const says = (page, text) => page.locator(".where", { hasText: text }).waitFor(WAIT);
+const says = (page, text) => page.locator(".where", { hasText: text }).waitFor();
 
 test("a run without a recording asks for one, shows how far it is, and is played to the end", async () => {
   const { page, wrong } = await openPage(browser, server);
   await page.goto(`${server.url}/#/runs/${runs[0].id}`);
   await page.locator("summary", { hasText: "Record a stretch" }).click();
-  await page.getByText("Nothing of this run is recorded yet").waitFor(WAIT);
+  await page.getByText("Nothing of this run is recorded yet").waitFor();
   await page.getByLabel("From epoch").fill("14");
   await page.getByLabel("epochs", { exact: true }).fill("5");
   await assertWell(page, "run without a recording");
   await page.getByRole("button", { name: "Record", exact: true }).click();
-  await page.locator(".recorder [role=status]", { hasText: "Recording" }).waitFor(WAIT);
+  await page.locator(".recorder [role=status]", { hasText: "Recording" }).waitFor();
   await says(page, "epoch 14 · step 0 of 400");
   assert.deepEqual([await page.getByLabel("Step of the recording").getAttribute("min"), await page.getByLabel("Step of the recording").getAttribute("max")], ["5600", "7600"]);
 
@@ -54,7 +53,7 @@ test("a run without a recording asks for one, shows how far it is, and is played
   await says(page, "epoch 15 · step 10");
   assert.match(page.url(), /at=6010/);
   const slice = await server.read(`/v1/runs/${runs[0].id}/recordings/1.json?from_step=6010&steps=1&robots=0`);
-  await page.locator(".senses ~ figcaption", { hasText: `ps0 to ps7: ${slice.robots[0].sensors[0].join(", ")} of` }).waitFor(WAIT);
+  await page.locator(".senses ~ figcaption", { hasText: `ps0 to ps7: ${slice.robots[0].sensors[0].join(", ")} of` }).waitFor();
   await page.getByRole("button", { name: "One moment on" }).click();
   await says(page, "epoch 15 · step 11");
   await page.locator("h2").click();
@@ -72,16 +71,16 @@ test("a run without a recording asks for one, shows how far it is, and is played
   await page.getByLabel("Speed", { exact: true }).selectOption("1");
   await page.locator("h2").click();
   await page.keyboard.press(" ");
-  await page.getByRole("button", { name: "Pause", exact: true }).waitFor(WAIT);
-  await page.waitForFunction(() => !document.querySelector(".where").textContent.includes("step 0 of"), null, WAIT);
+  await page.getByRole("button", { name: "Pause", exact: true }).waitFor();
+  await page.waitForFunction(() => !document.querySelector(".where").textContent.includes("step 0 of"));
   await page.keyboard.press(" ");
-  await page.getByRole("button", { name: "Play" }).waitFor(WAIT);
+  await page.getByRole("button", { name: "Play" }).waitFor();
   const [epoch, step] = await moment(page);
   assert.ok(epoch === 14 && step > 0 && step < 400, `epoch ${epoch}, step ${step}`);
   await page.getByLabel("Speed", { exact: true }).selectOption("128");
   await page.getByRole("button", { name: "Play" }).click();
   await says(page, "epoch 18 · step 400 of 400");
-  await page.getByRole("button", { name: "Play" }).waitFor(WAIT);
+  await page.getByRole("button", { name: "Play" }).waitFor();
   await page.locator(".marks .phase", { hasText: "exploration" }).waitFor();
   assert.ok((await page.locator(".marks .epoch").count()) >= 2);
   await assertWell(page, "replay at its end");
@@ -95,8 +94,8 @@ test("two runs are compared side by side, in step, and a link has the whole view
   await page.goto(`${server.url}/#/runs/${runs[0].id}?replay=1&at=6200&robot=1&speed=32&layer=first`);
   await says(page, "epoch 15 · step 200");
   await page.getByLabel("Beside it").selectOption(runs[1].id);
-  await page.locator(".beside canvas[role=img]").waitFor(WAIT);
-  await page.waitForFunction(() => /2 robots/.test(document.querySelector(".beside canvas")?.getAttribute("aria-label") ?? ""), null, WAIT);
+  await page.locator(".beside canvas[role=img]").waitFor();
+  await page.waitForFunction(() => /2 robots/.test(document.querySelector(".beside canvas")?.getAttribute("aria-label") ?? ""));
   const colours = () => page.evaluate(() => [...document.querySelectorAll("canvas.swarm")].map((one) => {
     const { data } = one.getContext("2d").getImageData(0, 0, one.width, one.height);
     return new Uint32Array(data.buffer).reduce((sum, pixel) => (sum * 31 + pixel) >>> 0, 7);
@@ -110,7 +109,7 @@ test("two runs are compared side by side, in step, and a link has the whole view
       return new Uint32Array(data.buffer).reduce((sum, pixel) => (sum * 31 + pixel) >>> 0, 7);
     });
     return one !== first && other !== second;
-  }, before, WAIT);
+  }, before);
   await assertWell(page, "two runs side by side");
   await picture(page, "replay");
   const address = page.url();
@@ -120,7 +119,7 @@ test("two runs are compared side by side, in step, and a link has the whole view
   const { page: other, wrong: otherWrong } = await openPage(browser, server);
   await other.goto(address);
   await says(other, "epoch 17 · step 330");
-  await other.waitForFunction(() => /2 robots/.test(document.querySelector(".beside canvas")?.getAttribute("aria-label") ?? ""), null, WAIT);
+  await other.waitForFunction(() => /2 robots/.test(document.querySelector(".beside canvas")?.getAttribute("aria-label") ?? ""));
   assert.equal(await other.getByLabel("Speed", { exact: true }).inputValue(), "32");
   assert.equal(await other.getByLabel("Beside it").inputValue(), runs[1].id);
   assert.equal(await other.getByLabel("Robot", { exact: true }).inputValue(), "1");
@@ -137,7 +136,7 @@ test("what a run did is told in a sentence, with the moment in the recording", a
   const { page, wrong } = await openPage(browser, server);
   await page.goto(`${server.url}/#/runs/${runs[1].id}`);
   await page.getByRole("button", { name: "Explain" }).click();
-  await page.locator(".explained .verdict:not(:empty)").waitFor(WAIT);
+  await page.locator(".explained .verdict:not(:empty)").waitFor();
   const known = await server.read(`/v1/runs/${runs[1].id}/explain`);
   assert.equal(await page.locator(".explained .verdict").textContent(), known.sentence);
   const longest = [...known.standing, ...known.confined].sort((a, b) => b.steps - a.steps)[0];
@@ -148,12 +147,12 @@ test("what a run did is told in a sentence, with the moment in the recording", a
   await page.locator(".stayed button").first().click();
   await says(page, `epoch ${longest.epoch} · step ${longest.epoch_step} of`);
   assert.equal(await page.getByLabel("Robot", { exact: true }).inputValue(), String(longest.robot));
-  await page.locator(".marks .stretch").first().waitFor(WAIT);
+  await page.locator(".marks .stretch").first().waitFor();
   await assertWell(page, "explained moment");
   await picture(page, "explained");
   // A link has the sentence, the moment and the robot.
   await page.reload();
-  await page.locator(".explained .verdict", { hasText: known.sentence }).waitFor(WAIT);
+  await page.locator(".explained .verdict", { hasText: known.sentence }).waitFor();
   await says(page, `epoch ${longest.epoch} · step ${longest.epoch_step} of`);
   assert.deepEqual(wrong, []);
   await page.close();
@@ -165,7 +164,7 @@ test("a stretch that cannot be recorded is refused at its place, and nothing els
   await page.locator("summary", { hasText: "Record a stretch" }).click();
   await page.getByLabel("From epoch").fill("100000");
   await page.getByRole("button", { name: "Record", exact: true }).click();
-  await page.locator("#alert", { hasText: /epoch/ }).waitFor(WAIT);
+  await page.locator("#alert", { hasText: /epoch/ }).waitFor();
   await assertWell(page, "refused recording");
   assert.deepEqual(wrong, []);
   await page.close();

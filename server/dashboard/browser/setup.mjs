@@ -90,6 +90,8 @@ export async function startBrowser() {
  */
 export async function openPage(browser, server, { expected = [], ...options } = {}) {
   const page = await browser.newPage({ viewport: { width: 1280, height: 900 }, ...options });
+  // Builds may use the machine beside the tests.
+  page.setDefaultTimeout(90_000);
   const wrong = [];
   page.on("pageerror", (error) => wrong.push(`error: ${error.message}`));
   page.on("console", (message) => {

@@ -64,13 +64,18 @@ impl Assembler {
 
     /// What the job varies; one that was stored without is one group.
     fn designs(&self, job: JobKey, runs: &[RunView]) -> Result<Vec<Design>, FindingsError> {
-        match self.store.design(job)? {
-            Some(text) => Design::parse(&text).map_err(|error| broken(job, error)),
-            None => Ok(vec![Design {
-                seeds: runs.len(),
-                ..Design::default()
-            }]),
-        }
+        let stored = self.store.design(job)?;
+        let parsed = stored.map(|text| Design::parse(&text)).transpose();
+        let designs = parsed.map_err(|error| broken(job, error))?;
+        // Jobs of forks were stored with none.
+        Ok(designs
+            .filter(|designs| !designs.is_empty())
+            .unwrap_or_else(|| {
+                vec![Design {
+                    seeds: runs.len(),
+                    ..Design::default()
+                }]
+            }))
     }
 
     fn finished(&self, runs: &[RunView]) -> Result<Vec<FinishedRun>, FindingsError> {

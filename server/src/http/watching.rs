@@ -82,8 +82,11 @@ pub fn routes() -> Routes {
         .get(
             "/runs/{id}/reach",
             reach,
-            Operation::new("getRunReach", "What of its arena the robots of a run can reach")
-                .shows::<Reach>("The squares."),
+            Operation::new(
+                "getRunReach",
+                "What of its arena the robots of a run can reach",
+            )
+            .shows::<Reach>("The squares."),
         )
         .get(
             "/runs/{id}/learnt",

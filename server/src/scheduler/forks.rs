@@ -15,7 +15,7 @@ use super::attempt::{checkpoint_of, stored_spec};
 use super::control_error::ControlError;
 use super::live::findings_of;
 use super::submission::new_job;
-use crate::documents::{ExpandedJob, ResolvedRun, parse, resolve};
+use crate::documents::{Design, ExpandedJob, ResolvedRun, parse, resolve};
 use crate::store::{Checkpoint, Checkpoints, Created, JobKey, JobRequest, NewJob, RunView};
 
 /// Longest wait for a checkpoint of a run that is being stepped.
@@ -152,7 +152,10 @@ impl Scheduler {
             name: document["name"].as_str().unwrap_or_default().to_owned(),
             runs: vec![resolved.clone()],
             labels: vec![String::new()],
-            designs: Vec::new(),
+            designs: vec![Design {
+                seeds: 1,
+                ..Design::default()
+            }],
         };
         let mut job: NewJob = new_job(expanded, request);
         for run in &mut job.runs {

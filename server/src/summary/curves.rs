@@ -119,10 +119,7 @@ fn group(set: Set, mut runs: Vec<RunCurve>, points: usize, show_runs: bool) -> G
         runs: Vec::new(),
     };
     for point in 0..points {
-        let values: Vec<f64> = runs
-            .iter()
-            .filter_map(|run| run.values[point])
-            .collect();
+        let values: Vec<f64> = runs.iter().filter_map(|run| run.values[point]).collect();
         let interval = mean_interval(&values);
         group.n.push(values.len() as u64);
         group.mean.push(mean(&values));

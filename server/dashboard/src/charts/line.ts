@@ -36,7 +36,7 @@ const SMALL = 240;
 /** Direct labels stand at lines where colours and dashes do not tell all apart. */
 const LABEL_FROM = 9;
 
-export function lineChart(name: string, title: string, zoomed: (x: [number, number] | null) => void = () => undefined, zoom: [number, number] | null = null): LineChart {
+export function lineChart(name: string, title: string, zoomed: (x: [number, number] | null) => void = () => undefined, zoom: [number, number] | null = null, sentence?: () => string): LineChart {
   const plot = h("div", { class: "plot", role: "img", "aria-label": title });
   let last: Lines | null = null;
   let chart: uPlot | null = null;
@@ -45,6 +45,7 @@ export function lineChart(name: string, title: string, zoomed: (x: [number, numb
     png: () => plot.querySelector("canvas"),
     svg: () => (last ? picture(last, title) : null),
     csv: () => (last ? csv(last) : ""),
+    ...(sentence && { sentence }),
   }));
   const height = (): number => (innerWidth < 700 ? SMALL : HEIGHT);
   const draw = (lines: Lines): void => {

@@ -6,6 +6,8 @@ export interface Sources {
   svg?: () => string | SVGSVGElement | null;
   png?: () => HTMLCanvasElement | null;
   csv?: () => string;
+  /** What it says, for a paper. */
+  sentence?: () => string;
 }
 
 export function savers(name: string, sources: Sources): HTMLElement {
@@ -15,7 +17,7 @@ export function savers(name: string, sources: Sources): HTMLElement {
     return element;
   };
   const text = (kind: string, content: string): string => `data:${kind};charset=utf-8,${encodeURIComponent(content)}`;
-  const { svg, png, csv } = sources;
+  const { svg, png, csv, sentence } = sources;
   return h(
     "p",
     { class: "savers" },
@@ -31,6 +33,7 @@ export function savers(name: string, sources: Sources): HTMLElement {
       if (drawing) rasterize(`${name}.png`, typeof drawing === "string" ? drawing : standalone(drawing));
     }) : null,
     csv ? button("CSV", () => download(`${name}.csv`, text("text/csv", csv()))) : null,
+    sentence ? button("sentence", () => void navigator.clipboard.writeText(sentence())) : null,
   );
 }
 

@@ -22,13 +22,15 @@ export function curvesChart(hidden: Set<string>, zoom: [number, number] | null):
   const legend = h("ul", { class: "plain legend", "aria-label": "Legend" });
   const chart = lineChart(
     "curves", "Curves of the groups; the list below has their last values",
-    (x) => choose("zoom", x ? x.map((value) => Math.round(value)).join("-") : null), zoom,
+    (x) => choose("zoom", x ? x.map((value) => Math.round(value)).join("-") : null), zoom, () => said,
   );
   const element = h("figure", { class: "curves" }, chart.element, legend, h("figcaption", {}, text));
   let last: Parameters<CurvesChart["draw"]> | null = null;
+  let said = "";
 
   const draw: CurvesChart["draw"] = (curves, how) => {
     last = [curves, how];
+    const told = (value: number | null | undefined): string => (isShare(curves) && value != null ? percent(value) : figure(value));
     const lines = curves.groups.map((group, place) => ({ group, look: look(place) }));
     chart.draw({
       x: { name: curves.x, at: curves.at },
@@ -59,11 +61,15 @@ export function curvesChart(hidden: Set<string>, zoom: [number, number] | null):
       (item, group) => {
         const [mean, low, high] = [group.mean, group.low, group.high].map((list) => list.at(-1) ?? null);
         const band = group.runs_done >= BAND_FROM && low != null && high != null;
-        const told = (value: number | null | undefined): string => (isShare(curves) && value != null ? percent(value) : figure(value));
         const interval = band ? ` [${told(low)}, ${told(high)}]` : "";
         write(item.querySelector("span:last-child")!, `${group.label || "all runs"}  ${told(mean)}${interval}  n ${whole(group.n.at(-1) ?? 0)}`);
       },
     );
+    const at = curves.at.at(-1);
+    said = at === undefined ? "" : `After ${whole(at)} ${curves.x}s the mean of ${curves.measure} was ${curves.groups.map((group) => {
+      const [mean, low, high] = [group.mean, group.low, group.high].map((list) => list.at(-1) ?? null);
+      return `${told(mean)}${low != null && high != null ? ` [${told(low)}, ${told(high)}]` : ""} for ${group.label || "all runs"} (n = ${whole(group.n.at(-1) ?? 0)})`;
+    }).join(", ")}; ${Math.round(curves.level * 100)} % intervals.`;
     write(
       text,
       `Mean of ${curves.measure} by ${curves.x} over all finished runs of each group` +

@@ -29,6 +29,7 @@ export function forestPlot(): ForestPlot {
     savers("differences", {
       svg: () => plot.querySelector("svg"),
       csv: () => (last ? [HEAD.join(","), ...last.pairs.map((pair) => cells(last!, pair).map((cell) => JSON.stringify(cell)).join(","))].join("\n") : ""),
+      sentence: () => last?.pairs.map((pair) => pair.sentence).join(" ") ?? "",
     }),
     h("details", {}, h("summary", {}, "As a table"), h("div", { class: "scroll", tabindex: 0 }, table)),
   );

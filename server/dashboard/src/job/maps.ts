@@ -35,6 +35,7 @@ export function coverageMaps(job: string, isOpen: boolean) {
   let wanted: { by: string | null; groups: number; key: string } | null = null;
   let limit = AT_ONCE;
   let read_key = "";
+  const csvs = new WeakMap<HTMLCanvasElement, string>();
 
   const draw = (): void => {
     const values = (map: GroupCoverage): number[][] =>
@@ -48,7 +49,7 @@ export function coverageMaps(job: string, isOpen: boolean) {
       () => {
         const canvas = h("canvas", { role: "img" });
         const caption = h("figcaption", { class: "facts" });
-        return h("figure", {}, canvas, caption, savers("map", { png: () => canvas }));
+        return h("figure", {}, canvas, caption, savers("map", { png: () => canvas, csv: () => csvs.get(canvas) ?? "" }));
       },
       (item, map) => {
         const canvas = item.querySelector("canvas")!;
@@ -65,6 +66,7 @@ export function coverageMaps(job: string, isOpen: boolean) {
           pixels[(rows - 1 - y) * columns + x] = HEAT[Math.round(share * 255)]!;
         }));
         brush.putImageData(image, 0, 0);
+        csvs.set(canvas, values(map).map((row) => row.join(",")).join("\n"));
         const label = map.label || "all runs";
         write(item.querySelector("figcaption")!, `${label}: n ${whole(map.n)}, ${figure(map.mean_squares)} squares a run, ${whole(map.union_squares)} by any`);
         canvas.setAttribute("aria-label", `Squares that runs of ${label} entered`);

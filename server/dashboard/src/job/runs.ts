@@ -6,7 +6,9 @@ import type { Run } from "../types";
 import { duration, percent, sentence, whole } from "../words";
 import { measureOf } from "./groups";
 
-const A_PAGE = 50;
+/** Runs of a page of the table. */
+const SIZES = [10, 50, 200];
+const SIZE = 50;
 const COLUMNS: [string, string, (run: Run) => number | string | null][] = [
   ["run", "id", (run) => run.index],
   ["state", "state", (run) => run.state],
@@ -26,7 +28,9 @@ export interface RunsTable {
 
 export function runsTable(options: URLSearchParams): RunsTable {
   let [sort, falling] = [options.get("sort") ?? "odd", options.get("falling") === "1"];
-  let page = 0;
+  let page = Math.max(0, (Number(options.get("page")) || 1) - 1);
+  const size = h("select", { id: "runs-size" }, ...SIZES.map((one) => h("option", { value: one }, `${one}`)));
+  size.value = SIZES.includes(Number(options.get("size"))) ? options.get("size")! : String(SIZE);
   let last: [Run[], Map<string, string>] | null = null;
   const filter = h("input", {
     type: "search", id: "runs-filter", placeholder: "Filter: words, states, seeds", "aria-label": "Filter runs",
@@ -37,10 +41,9 @@ export function runsTable(options: URLSearchParams): RunsTable {
     button.addEventListener("click", () => {
       falling = sort === name ? !falling : false;
       sort = name;
-      page = 0;
       choose("sort", sort === "odd" ? null : sort);
       choose("falling", falling ? "1" : null);
-      again();
+      turn(0);
     });
     return h("th", { scope: "col" }, button);
   });
@@ -50,7 +53,7 @@ export function runsTable(options: URLSearchParams): RunsTable {
   const after = h("button", { type: "button" }, "Next runs");
   const where = h("span", { class: "quiet" });
   const element = h("div", {},
-    h("p", { class: "tools" }, filter),
+    h("p", { class: "tools" }, filter, h("label", { for: "runs-size" }, "a page"), size),
     h("div", { class: "scroll", tabindex: 0, role: "group", "aria-label": "Runs" }, table),
     h("p", { class: "pages" }, before, " ", after, " ", where));
 
@@ -70,26 +73,36 @@ export function runsTable(options: URLSearchParams): RunsTable {
       const order = typeof x === "string" || typeof y === "string" ? String(x).localeCompare(String(y)) : x - y;
       return (falling ? -order : order) || a.index - b.index;
     });
-    page = Math.min(page, Math.max(0, Math.ceil(ordered.length / A_PAGE) - 1));
-    const shown = ordered.slice(page * A_PAGE, (page + 1) * A_PAGE);
+    const a_page = Number(size.value);
+    // Before the first answer there are no runs, and the page that a link names is still to come.
+    if (runs.length > 0) page = Math.min(page, Math.max(0, Math.ceil(ordered.length / a_page) - 1));
+    const shown = ordered.slice(page * a_page, (page + 1) * a_page);
     keyed(body, shown, (run) => `${run.index}`, row, (item, run) => fill(item, run, odd.get(run.id) ?? ""));
     heads.forEach((head, place) => {
       if (COLUMNS[place]![1] === sort) head.setAttribute("aria-sort", falling ? "descending" : "ascending");
       else head.removeAttribute("aria-sort");
     });
     show(before, page > 0);
-    show(after, (page + 1) * A_PAGE < ordered.length);
-    write(where, ordered.length === 0 ? "No run fits." : `${whole(page * A_PAGE + 1)} to ${whole(page * A_PAGE + shown.length)} of ${whole(ordered.length)} runs`);
+    show(after, (page + 1) * a_page < ordered.length);
+    write(where, ordered.length === 0 ? "No run fits." : `${whole(page * a_page + 1)} to ${whole(page * a_page + shown.length)} of ${whole(ordered.length)} runs`);
   };
   const again = (): void => {
     if (last) draw(...last);
   };
-  before.addEventListener("click", () => { page -= 1; again(); });
-  after.addEventListener("click", () => { page += 1; again(); });
-  filter.addEventListener("input", () => {
-    page = 0;
-    choose("filter", filter.value.trim() || null);
+  const turn = (to: number): void => {
+    page = to;
+    choose("page", page === 0 ? null : String(page + 1));
     again();
+  };
+  before.addEventListener("click", () => turn(page - 1));
+  after.addEventListener("click", () => turn(page + 1));
+  size.addEventListener("change", () => {
+    choose("size", Number(size.value) === SIZE ? null : size.value);
+    turn(0);
+  });
+  filter.addEventListener("input", () => {
+    choose("filter", filter.value.trim() || null);
+    turn(0);
   });
   return { element, draw };
 }

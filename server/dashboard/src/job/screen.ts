@@ -201,7 +201,7 @@ export function jobScreen(id: string, options: URLSearchParams): Screen {
     show(copy, (comparison?.verdict ?? "") !== "");
     curves.draw(lines, { log: log.value === "log", single: single.checked });
     forest.draw(comparison);
-    strips.draw(all.runs, labels, grouping(summary, by));
+    strips.draw(all.runs, labels, grouping(summary, by), summary);
     scaling.draw(summary.scaling ?? []);
     sweep.draw(summary, measure);
     parallel.draw(summary, measure);

@@ -4,7 +4,7 @@ import { h, svg, write } from "../dom";
 import { look } from "../looks";
 import { link } from "../route";
 import { savers } from "../charts/save";
-import type { Run } from "../types";
+import type { Run, Summary } from "../types";
 import { figure, whole } from "../words";
 import { measureOf } from "./groups";
 
@@ -20,7 +20,8 @@ const MANY = 24;
 
 export interface StripPlots {
   element: HTMLElement;
-  draw(runs: Run[], labels: string[], group: (run: Run) => string): void;
+  /** Of the summary what no single run tells: what a step takes. */
+  draw(runs: Run[], labels: string[], group: (run: Run) => string, summary: Summary): void;
 }
 
 export function stripPlots(): StripPlots {
@@ -28,23 +29,49 @@ export function stripPlots(): StripPlots {
   const rest = h("div", { class: "strips" });
   const more = h("details", {}, h("summary", {}, "More measures"), rest);
   const cut = h("p", { class: "quiet" });
-  const element = h("section", {}, h("h3", {}, "All finished runs"), plots, more, cut);
-  let last: Parameters<StripPlots["draw"]> | null = null;
+  const cost = h("div", {});
+  const element = h("section", {}, h("h3", {}, "All finished runs"), plots, more, cut, cost);
+  let last: [Run[], string[], (run: Run) => string] | null = null;
   const fill = (): void => {
     if (last && more.open) rest.replaceChildren(...REST.map((measure) => strip(measure, ...last!)));
   };
   more.addEventListener("toggle", fill);
   return {
     element,
-    draw: (runs, labels, group) => {
+    draw: (runs, labels, group, summary) => {
       const done = runs.filter((run) => run.result != null);
       const shown = done.slice(0, MOST);
       last = [shown, labels, group];
       write(cut, shown.length < done.length ? `The first ${whole(MOST)} finished runs are shown.` : `n = ${whole(done.length)} runs.`);
       plots.replaceChildren(...FIRST.map((measure) => strip(measure, shown, labels, group)));
       fill();
+      cost.replaceChildren(intervals("cpu_ns_per_robot_step", summary));
     },
   };
+}
+
+/** Means of the combinations with their intervals, of a measure that single runs do not tell. */
+function intervals(measure: string, summary: Summary): HTMLElement {
+  const rows = summary.groups.flatMap((group, place) => {
+    const found = group.measures.find((one) => one.name === measure);
+    return found?.mean == null ? [] : [{ place, label: group.label || "all runs", mean: found.mean, low: found.interval?.low ?? found.mean, high: found.interval?.high ?? found.mean, n: found.n }];
+  });
+  if (rows.length === 0) return h("div", {});
+  const most = Math.max(...rows.map((row) => row.high), 1e-12);
+  const x = (value: number): number => 12 + (value / most) * (WIDTH - 24);
+  const row_px = rows.length > MANY ? 12 : ROW;
+  const height = rows.length * row_px + 44;
+  const drawing = svg("svg", { viewBox: `0 0 ${WIDTH} ${height}`, width: WIDTH, class: "as-is", role: "img", "aria-label": `${measure}: mean of each combination with its interval` });
+  drawing.append(svg("text", { x: 0, y: 12, class: "name" }, "CPU time of a robot-step, ns (means, 95 % intervals)"));
+  rows.forEach(({ place, label, mean, low, high, n }, line) => {
+    const y = 24 + line * row_px + row_px / 2;
+    drawing.append(
+      svg("line", { x1: x(low), x2: x(high), y1: y, y2: y, stroke: look(place).colour, "stroke-width": 2.5 }),
+      svg("circle", { cx: x(mean), cy: y, r: 4, fill: look(place).colour }, svg("title", {}, `${label}: ${figure(mean)} ns [${figure(low)}, ${figure(high)}], n ${n}`)));
+  });
+  for (const value of [0, most]) drawing.append(svg("text", { x: x(value), y: height - 4, "text-anchor": value ? "end" : "start", class: "tick" }, figure(value)));
+  const csv = (): string => ["group,n,mean,low,high", ...rows.map((row) => [JSON.stringify(row.label), row.n, row.mean, row.low, row.high].join(","))].join("\n");
+  return h("figure", { class: "cost" }, drawing, savers(measure, { svg: () => drawing, csv }));
 }
 
 function strip(measure: string, runs: Run[], labels: string[], group: (run: Run) => string): HTMLElement {

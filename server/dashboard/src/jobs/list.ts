@@ -41,14 +41,16 @@ export function jobList(tell: (rate: string) => void): JobList {
   let chosen = "";
   let limit = A_PAGE;
   let jobs: Job[] = [];
+  let fitting: Job[] = [];
 
   const draw = (): void => {
     const wanted = search.value.trim().toLowerCase();
-    const fits = jobs.filter(
+    const known = new Map([...jobs, ...fitting].map((job) => [job.id, job]));
+    const fits = [...known.values()].filter(
       (job) =>
         (!state.value || job.state === state.value) &&
-        (!wanted || `${title(job)} ${job.id}`.toLowerCase().includes(wanted)),
-    );
+        (!wanted || wanted.split(/\s+/).every((word) => `${title(job)} ${job.id}`.toLowerCase().includes(word))),
+    ).sort((a, b) => Number(b.id) - Number(a.id));
     keyed(items, fits, (job) => job.id, card, update);
     show(none, jobs.length > 0 && fits.length === 0);
   };
@@ -86,20 +88,30 @@ export function jobList(tell: (rate: string) => void): JobList {
     else item.firstElementChild!.removeAttribute("aria-current");
   };
 
+  /** So many jobs, newest first, and whether there are more. */
+  const newest = async (signal: AbortSignal, wanted: Record<string, string> = {}): Promise<[Job[], boolean]> => {
+    const found: Job[] = [];
+    let next: string | null = null;
+    do {
+      const size = Math.min(limit - found.length, 200);
+      const query = new URLSearchParams({ ...wanted, limit: String(size), ...(next && { cursor: next }) });
+      const page: Page<Job> = await read(`/v1/jobs?${query}`, signal);
+      found.push(...page.items);
+      next = page.next ?? null;
+    } while (next !== null && found.length < limit);
+    return [found, next !== null];
+  };
   const watching = watch(
     EVERY_MS,
     async (signal) => {
-      const found: Job[] = [];
-      let next: string | null = null;
-      do {
-        const size = Math.min(limit - found.length, 200);
-        const query = new URLSearchParams({ limit: String(size), ...(next && { cursor: next }) });
-        const page: Page<Job> = await read(`/v1/jobs?${query}`, signal);
-        found.push(...page.items);
-        next = page.next ?? null;
-      } while (next !== null && found.length < limit);
-      jobs = found;
-      show(older, next !== null);
+      const q = search.value.trim();
+      const wanted = { ...(q && { q }), ...(state.value && { state: state.value }) };
+      const isFiltered = Object.keys(wanted).length > 0;
+      const [[all, more], [some, someMore]] = await Promise.all([newest(signal), isFiltered ? newest(signal, wanted) : [[], false] as [Job[], boolean]]);
+      jobs = all;
+      // Older jobs than those that are shown are found by the server.
+      fitting = some;
+      show(older, isFiltered ? someMore : more);
       calm();
       const running = jobs.filter((job) => job.state === "running");
       const rate = running.reduce((sum, job) => sum + (job.robot_steps_per_s ?? 0), 0);
@@ -120,8 +132,14 @@ export function jobList(tell: (rate: string) => void): JobList {
     limit += A_PAGE;
     watching.now();
   });
-  search.addEventListener("input", draw);
-  state.addEventListener("change", draw);
+  let soon = 0;
+  const again = (): void => {
+    draw();
+    clearTimeout(soon);
+    soon = window.setTimeout(() => watching.now(), 250);
+  };
+  search.addEventListener("input", again);
+  state.addEventListener("change", again);
   element.addEventListener("keydown", (event) => {
     const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
     const cards = [...items.querySelectorAll<HTMLElement>("a.card")];

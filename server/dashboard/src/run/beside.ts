@@ -29,7 +29,7 @@ export interface Beside {
 export function beside(): Beside {
   const about = h("p", { class: "facts", role: "status" });
   const picture = scene(() => undefined);
-  const element = h("div", { class: "beside", hidden: true }, about, picture.element);
+  const element = h("div", { class: "beside", hidden: true });
   let player: Player | null = null;
   let arenas: Arenas | null = null;
   let chosen = "";
@@ -49,6 +49,8 @@ export function beside(): Beside {
     player = null;
     squares?.stop();
     squares = null;
+    if (id) element.replaceChildren(about, picture.element);
+    else element.replaceChildren();
     show(element, id !== "");
     if (!id || !head) return;
     write(about, "");

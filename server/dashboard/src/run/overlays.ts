@@ -107,22 +107,20 @@ export function drawObjects(pen: CanvasRenderingContext2D, f: Frame, about: read
   }
 }
 
-/** Hatches squares out of reach: `rows` has a text a row, the lowest y first, `0` for out of reach. */
-export function hatch(pen: CanvasRenderingContext2D, rows: readonly string[], width: number, height: number, colour: string, density: number): void {
-  const columns = rows[0]?.length ?? 0;
-  if (columns === 0) return;
-  const [w, h] = [width / columns, height / rows.length];
-  pen.save();
-  pen.beginPath();
+/** Squares out of reach, hatched: `rows` has a text a row, the lowest y first, `0` for out of reach. */
+export function hatched(rows: readonly string[], width: number, height: number, colour: string, density: number): HTMLCanvasElement {
+  const sheet = document.createElement("canvas");
+  const mask = document.createElement("canvas");
+  [sheet.width, sheet.height] = [width, height];
+  [mask.width, mask.height] = [rows[0]?.length ?? 0, rows.length];
+  const [pen, small] = [sheet.getContext("2d"), mask.getContext("2d")];
+  if (!pen || !small || mask.width === 0 || width === 0) return sheet;
+  const image = small.createImageData(mask.width, mask.height);
+  const pixels = new Uint32Array(image.data.buffer);
   rows.forEach((row, y) => {
-    for (let x = row.indexOf("0"); x >= 0; x = row.indexOf("0", x)) {
-      const end = row.indexOf("1", x);
-      const last = end < 0 ? columns : end;
-      pen.rect(x * w, height - (y + 1) * h, (last - x) * w, h);
-      x = last;
-    }
+    for (let x = row.indexOf("0"); x >= 0; x = row.indexOf("0", x + 1)) pixels[(rows.length - 1 - y) * mask.width + x] = 0xff000000;
   });
-  pen.clip();
+  small.putImageData(image, 0, 0);
   pen.strokeStyle = colour;
   pen.lineWidth = density;
   pen.globalAlpha = 0.55;
@@ -132,5 +130,9 @@ export function hatch(pen: CanvasRenderingContext2D, rows: readonly string[], wi
     pen.lineTo(at + height, 0);
   }
   pen.stroke();
-  pen.restore();
+  pen.globalAlpha = 1;
+  pen.imageSmoothingEnabled = false;
+  pen.globalCompositeOperation = "destination-in";
+  pen.drawImage(mask, 0, 0, width, height);
+  return sheet;
 }

@@ -64,7 +64,7 @@ export function replay(run: string, options: URLSearchParams, seen: (frame: Fram
       h("label", { for: "beside" }, "Beside it"), other),
     h("div", { class: "track" }, time, marked.element), where);
   const recording = recorder(run, (items) => list(items), (name) => open(name));
-  const element = h("section", { "aria-label": "Replay" },
+  const element = h("section", { class: "replay", "aria-label": "Replay" },
     h("p", { class: "tools" }, h("label", { for: "recording" }, "Show"), source), controls, recording.element);
 
   const list = (items: readonly RecordingSummary[]): void => {

@@ -6,7 +6,7 @@ import { HEAT, heat, look, themed } from "../looks";
 import type { Arena } from "../types";
 import { whole } from "../words";
 import type { Frame, Squares } from "./frames";
-import { drawObjects, drawRadio, drawRays, hatch, type Sheet } from "./overlays";
+import { drawObjects, drawRadio, drawRays, hatched, type Sheet } from "./overlays";
 
 export const LAYERS = {
   visits: "visits (log scale)",
@@ -73,6 +73,7 @@ export function scene(onChoose: (robot: number) => void): Scene {
   let layer: Layer = "visits";
   let until: number | null = null;
   let reachable: readonly string[] | null = null;
+  let hatching: HTMLCanvasElement | null = null;
   let robot = 0;
   let trails: Float32Array[] = [];
   let lengths: number[] = [];
@@ -118,6 +119,7 @@ export function scene(onChoose: (robot: number) => void): Scene {
       canvas.style.height = `${arena.height_m * scale}px`;
     }
     theme();
+    hatching = null;
     ask(true);
   };
 
@@ -175,7 +177,10 @@ export function scene(onChoose: (robot: number) => void): Scene {
       write(low, map.low);
       write(high, map.high);
     }
-    if (reachable && !frame?.isTraining) hatch(pen, reachable, ground.width, ground.height, colours.line, density);
+    if (reachable && !frame?.isTraining) {
+      hatching ??= hatched(reachable, ground.width, ground.height, colours.line, density);
+      pen.drawImage(hatching, 0, 0);
+    }
     show(legend, map !== null);
     pen.strokeStyle = colours.ink;
     pen.lineWidth = 2 * density;
@@ -345,6 +350,7 @@ export function scene(onChoose: (robot: number) => void): Scene {
     },
     reach: (rows) => {
       reachable = rows;
+      hatching = null;
       ask(true);
     },
     layer: (next) => {

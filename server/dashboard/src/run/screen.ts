@@ -35,6 +35,7 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
   const bar = h("progress", { max: 1, "aria-label": "Share of the work done" });
   const facts = h("p", { class: "facts" });
   const moment = h("p", { class: "facts moment" });
+  const about = h("p", { class: "facts about" });
   const told = h("p", { class: "facts", hidden: true });
   const why = h("p", { class: "bad", hidden: true });
   const job = h("a", { class: "button" }, "Its job");
@@ -121,7 +122,7 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
     h("div", { class: "head" }, heading, badge, h("span", { class: "actions" }, pause, resume, step, cancel, why_it_did.button, fork.button, job)),
     why_it_did.element, bar, facts, why,
     h("div", { class: "two" },
-      h("div", { class: "left" }, tools, h("div", { class: "scenes" }, picture.element, player.beside), player.element, moment, told, curve.element),
+      h("div", { class: "left" }, tools, h("div", { class: "scenes" }, h("div", {}, about, picture.element), player.beside), player.element, moment, told, curve.element),
       h("div", { class: "right" }, h("h3", {}, "This run"), figures, h("h3", {}, "One robot"), chooser, learner, body.element, table.element)),
     h("h3", {}, "Files"),
     files,
@@ -143,11 +144,11 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
     robot = Math.min(Math.max(0, Math.floor(next) || 0), most);
     number.value = String(robot);
     choose("robot", robot === 0 ? null : String(robot));
-    picture.choose(robot);
+    for (const one of scenes) one.choose(robot);
     if (frame) showRobot(frame);
     asking.now();
   };
-  picture.choose(robot);
+  for (const one of scenes) one.choose(robot);
 
   const showRobot = (f: Frame): void => {
     body.draw(f, robot);
@@ -198,6 +199,7 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
     run = next;
     const title = sentence(next.label || next.method, next.arena, `seed ${next.seed}`);
     write(heading, title);
+    write(about, title);
     document.title = `${title} – evswarm`;
     write(badge, next.state);
     badge.dataset["state"] = next.state;

@@ -72,6 +72,25 @@ async fn a_checkpoint_goes_to_another_server_and_on_from_there() {
     );
 }
 
+/// Jobs of forks were stored without saying that they are one group, and taken for damaged.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn the_job_of_a_fork_has_a_summary() {
+    let service = Service::start(None);
+    let path = service.job(&job(3, 1)).await;
+    service.wait_until(&path, "done").await;
+    let run = run_of(&service, &path).await;
+    let fork = json!({ "changes": { "epochs": 5 } });
+    let forked = service.post(&format!("{run}/fork"), &fork).await;
+    made(&service, &forked).await;
+    let job = forked.headers[LOCATION].to_str().unwrap();
+    for route in ["summary", "curves", "comparison", "coverage"] {
+        let answer = service.get(&format!("{job}/{route}")).await;
+        assert_eq!(answer.status, 200, "{route}: {:?}", answer.body);
+    }
+    let summary = service.get(&format!("{job}/summary")).await.json();
+    assert_eq!(summary["groups"][0]["runs_done"], 1);
+}
+
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_foreign_or_altered_checkpoint_is_refused() {
     let service = Service::start(None);

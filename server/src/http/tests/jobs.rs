@@ -442,6 +442,15 @@ async fn metrics_and_summary_of_a_job_over_robots() {
         ),
         (Some(3), 3)
     );
+    // Shares are of what each run can reach.
+    let shares = service
+        .get(&format!("{job}/curves?measure=p1_fraction&points=3"))
+        .await
+        .json();
+    let result = service.runs(&job).await.remove(0)["result"].clone();
+    let share = group["mean"][last].as_f64().unwrap() / result["reachable"].as_f64().unwrap();
+    let told = shares["groups"][1]["mean"][last].as_f64().unwrap();
+    assert!((told - share).abs() < 1e-12, "{told} for {share}");
     for wrong in [
         "measure=overlap",
         "x=steps",

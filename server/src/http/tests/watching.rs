@@ -123,6 +123,16 @@ async fn a_run_is_seen_and_asked_and_none_the_worse_for_it() {
         (&json!(false), &json!("done"))
     );
     assert!(last["table"]["counts"].is_array(), "{last}");
+    let reach = service.get(&format!("{run}/reach")).await.json();
+    assert_eq!(reach["reachable"], result["reachable"]);
+    let rows = reach["reachable_rows"].as_array().unwrap();
+    let within = rows
+        .iter()
+        .map(|row| row.as_str().unwrap().matches('1').count());
+    assert_eq!(
+        (rows.len(), json!(within.sum::<usize>())),
+        (100, result["reachable"].clone())
+    );
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
