@@ -10,7 +10,7 @@ CARGO_DENY_VERSION := 0.20.2
 
 DASHBOARD := server/dashboard
 
-.PHONY: build run dashboard dashboard-pictures test test-rust test-python test-contract test-dashboard lint circles deny bench figures
+.PHONY: build run dashboard dashboard-pictures dashboard-rate test test-rust test-python test-contract test-dashboard lint circles deny bench figures
 
 build:
 	$(CARGO) build --release --workspace --bins --examples
@@ -51,12 +51,16 @@ test-dashboard: build dashboard
 		CARGO_TARGET_DIR=$(abspath $(TARGET)) npm run --silent browser
 
 # Pictures of the page, made by its tests; those that documents show are checked in.
-SHOWN := job run new editor overview-dark run-phone
+SHOWN := job run replay explained new editor overview overview-dark run-phone
 dashboard-pictures: build dashboard
 	mkdir -p $(TARGET)/pictures
 	cd $(DASHBOARD) && PICTURES=$(abspath $(TARGET))/pictures CARGO_TARGET_DIR=$(abspath $(TARGET)) \
 		npm run --silent browser
 	cp $(SHOWN:%=$(TARGET)/pictures/dashboard-%.png) docs/pictures/
+
+# How fluid a thousand robots are, and the first paint: for a quiet machine.
+dashboard-rate: build $(DASHBOARD)/node_modules
+	cd $(DASHBOARD) && CARGO_TARGET_DIR=$(abspath $(TARGET)) npm run --silent rate
 
 # The Python client against the real server, in an environment of its own.
 VENV := $(TARGET)/python

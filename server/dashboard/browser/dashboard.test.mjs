@@ -178,10 +178,13 @@ for (const [name, options] of [
     });
     assert.equal(await server.ended(job), "done");
     const run = await server.firstRun(job);
+    // Asked for again it is the one that there is.
+    const made = await server.post(`/v1/runs/${run.id}/recordings`, { from_epoch: 2, epochs: 3 });
     for (const [screen, path, there] of [
       ["overview", "#/", "#overview-title"],
       ["job", `#/jobs/${job.id}?maps=1`, ".maps figure"],
       ["run", `#/runs/${run.id}`, ".files li"],
+      ["replay", `#/runs/${run.id}?replay=${made.name}&at=500&explain=1`, ".where:not(:empty)"],
       ["new", "#/new", ".estimate:not(:empty)"],
     ]) {
       await page.goto(`${server.url}/${path}`);

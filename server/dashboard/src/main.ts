@@ -38,14 +38,11 @@ document.getElementById("app")?.append(
 );
 
 let screen: Screen | null = null;
-let shown = "";
 
+/** Opens what the address names. What a screen itself changes of it does not come here. */
 function go(): void {
   const route = parse(location.hash);
-  const key = `${route.view}/${route.id}`;
   jobs.choose(route.view === "job" ? route.id : "");
-  if (key === shown) return;
-  shown = key;
   screen?.stop();
   calm();
   const opened: Screen = {

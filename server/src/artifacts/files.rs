@@ -138,7 +138,7 @@ const fn holding(file: RunFile, holds: &'static str) -> RunFile {
 }
 
 /// Every file of a run. Formats of the same thing follow each other.
-pub const RUN_FILES: &[RunFile] = &[
+pub static RUN_FILES: &[RunFile] = &[
     holding(
         form(Some("spec.json"), Some("spec"), JSON, Maker::Spec),
         "the run spec with every default filled in",
