@@ -51,7 +51,7 @@ test-dashboard: build dashboard
 		CARGO_TARGET_DIR=$(abspath $(TARGET)) npm run --silent browser
 
 # Pictures of the page, made by its tests; those that documents show are checked in.
-SHOWN := job run replay explained new editor overview overview-dark run-phone
+SHOWN := job sweep run replay explained new editor overview overview-dark run-phone
 dashboard-pictures: build dashboard
 	mkdir -p $(TARGET)/pictures
 	cd $(DASHBOARD) && PICTURES=$(abspath $(TARGET))/pictures CARGO_TARGET_DIR=$(abspath $(TARGET)) \

@@ -112,7 +112,7 @@ export function lineChart(name: string, title: string, zoomed: (x: [number, numb
               const value = self.data[at]?.at(-1);
               if (value === null || value === undefined) continue;
               pen.fillStyle = colour;
-              pen.fillText(text.slice(0, 24), self.valToPos(self.data[0]!.at(-1)!, "x", true) - 4 * density, self.valToPos(value, "y", true) - 4 * density);
+              pen.fillText(text.length > 24 ? `… ${text.slice(-22)}` : text, self.valToPos(self.data[0]!.at(-1)!, "x", true) - 4 * density, self.valToPos(value, "y", true) - 4 * density);
             }
             pen.restore();
           }],

@@ -59,16 +59,19 @@ export function curvesChart(hidden: Set<string>, zoom: [number, number] | null):
         return h("li", {}, h("label", {}, box, swatch(curves.groups.indexOf(group)), h("span", {})));
       },
       (item, group) => {
-        const [mean, low, high] = [group.mean, group.low, group.high].map((list) => list.at(-1) ?? null);
+        // Runs of fewer epochs end before the others.
+        const place = lastOf(group.n);
+        const [mean, low, high] = [group.mean, group.low, group.high].map((list) => list[place] ?? null);
         const band = group.runs_done >= BAND_FROM && low != null && high != null;
         const interval = band ? ` [${told(low)}, ${told(high)}]` : "";
-        write(item.querySelector("span:last-child")!, `${group.label || "all runs"}  ${told(mean)}${interval}  n ${whole(group.n.at(-1) ?? 0)}`);
+        write(item.querySelector("span:last-child")!, `${group.label || "all runs"}  ${told(mean)}${interval}  n ${whole(group.n[place] ?? 0)}${place < group.n.length - 1 && place >= 0 ? `, to ${curves.x} ${whole(curves.at[place]!)}` : ""}`);
       },
     );
     const at = curves.at.at(-1);
     said = at === undefined ? "" : `After ${whole(at)} ${curves.x}s the mean of ${curves.measure} was ${curves.groups.map((group) => {
-      const [mean, low, high] = [group.mean, group.low, group.high].map((list) => list.at(-1) ?? null);
-      return `${told(mean)}${low != null && high != null ? ` [${told(low)}, ${told(high)}]` : ""} for ${group.label || "all runs"} (n = ${whole(group.n.at(-1) ?? 0)})`;
+      const place = lastOf(group.n);
+      const [mean, low, high] = [group.mean, group.low, group.high].map((list) => list[place] ?? null);
+      return `${told(mean)}${low != null && high != null ? ` [${told(low)}, ${told(high)}]` : ""} for ${group.label || "all runs"} (n = ${whole(group.n[place] ?? 0)}${place < group.n.length - 1 && place >= 0 ? `, after ${whole(curves.at[place]!)}` : ""})`;
     }).join(", ")}; ${Math.round(curves.level * 100)} % intervals.`;
     write(
       text,
@@ -79,6 +82,9 @@ export function curvesChart(hidden: Set<string>, zoom: [number, number] | null):
   };
   return { element, draw, stop: chart.stop };
 }
+
+/** The last place at which there is a run. */
+const lastOf = (n: readonly number[]): number => n.findLastIndex((count) => count > 0);
 
 const isShare = (curves: Curves): boolean => curves.measure.endsWith("_fraction");
 
