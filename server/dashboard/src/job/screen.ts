@@ -197,7 +197,7 @@ export function jobScreen(id: string, options: URLSearchParams): Screen {
     const labels = lines.groups.map((group) => group.label);
     // Only the experiments of chapter 5 have as many groups and a report.
     show(report, summary.groups.length >= CHAPTER_5_GROUPS && ended);
-    write(verdict, comparison?.verdict ?? `${whole(summary.groups.length)} groups are more than can be compared in pairs: choose a field under "Groups".`);
+    write(verdict, comparison?.verdict ? `${by ? `By ${by}: ` : ""}${comparison.verdict}` : comparison ? "" : `${whole(summary.groups.length)} groups are more than can be compared in pairs: choose a field under "Groups".`);
     show(copy, (comparison?.verdict ?? "") !== "");
     curves.draw(lines, { log: log.value === "log", single: single.checked });
     forest.draw(comparison);
