@@ -31,7 +31,7 @@ pub struct Writer {
 }
 
 /// The bytes that a recording begins with.
-fn beginning(header: &Header) -> Result<Vec<u8>, RecordingError> {
+pub(crate) fn beginning(header: &Header) -> Result<Vec<u8>, RecordingError> {
     let json = serde_json::to_vec(header)
         .map_err(|_| RecordingError::Damaged("a header that is no JSON"))?;
     let packed = zstd::bulk::compress(&json, HEADER_LEVEL)?;

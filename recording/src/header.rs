@@ -83,6 +83,16 @@ impl Chosen {
         }
     }
 
+    /// Whether they are in order, each once, and below a number.
+    pub fn is_ascending_below(&self, end: u32) -> bool {
+        match self {
+            Chosen::First(count) => *count <= end,
+            Chosen::List(list) => {
+                list.is_sorted_by(|a, b| a < b) && list.last().is_none_or(|last| *last < end)
+            }
+        }
+    }
+
     /// The numbers in order.
     pub fn numbers(&self) -> impl Iterator<Item = u32> + '_ {
         (0..self.len()).map(|row| self.number(row))

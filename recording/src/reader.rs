@@ -12,6 +12,8 @@ use crate::samples::Samples;
 
 /// Most bytes that a header may come to.
 const MOST_HEADER_JSON: usize = 1 << 30;
+/// Most robots and objects of a recording.
+const MOST_ROWS: u64 = 1 << 22;
 /// Bytes after the index: number of blocks, checksum, magic.
 const FOOTER_BYTES: usize = 20;
 
@@ -76,6 +78,8 @@ fn header(file: &mut impl Read) -> Result<Header, RecordingError> {
         && header.every_steps > 0
         && !header.robots.is_empty()
         && header.robots.len() <= header.robots_total as usize
+        && header.robots.len() as u64 + u64::from(header.objects) <= MOST_ROWS
+        && header.robots.is_ascending_below(header.robots_total)
         && header.from_epoch.checked_add(header.epochs).is_some();
     sound
         .then_some(header)
@@ -83,11 +87,25 @@ fn header(file: &mut impl Read) -> Result<Header, RecordingError> {
 }
 
 impl<F: Read + Seek> Reader<F> {
-    /// Opens a recording. One that was cut is read up to its last whole block.
+    /// Opens a recording. One that was cut is read up to its last whole block; of the blocks before
+    /// that only the heads are looked at, so that it is as quick where the recording is long.
     ///
     /// # Errors
     /// When it is none, or its header is damaged.
-    pub fn open(mut file: F) -> Result<Self, RecordingError> {
+    pub fn open(file: F) -> Result<Self, RecordingError> {
+        Self::open_as(file, false)
+    }
+
+    /// Opens a recording, of which one that was cut is read up to its first damaged block: for
+    /// whoever goes on with it.
+    ///
+    /// # Errors
+    /// When it is none, or its header is damaged.
+    pub fn open_checked(file: F) -> Result<Self, RecordingError> {
+        Self::open_as(file, true)
+    }
+
+    fn open_as(mut file: F, checked: bool) -> Result<Self, RecordingError> {
         file.seek(SeekFrom::Start(0))?;
         let header = header(&mut file)?;
         let begin = file.stream_position()?;
@@ -109,7 +127,7 @@ impl<F: Read + Seek> Reader<F> {
                 reader.samples_end = reader.layout.samples().end;
                 reader.complete = true;
             }
-            None => reader.scan(begin)?,
+            None => reader.scan(begin, checked)?,
         }
         Ok(reader)
     }
@@ -144,26 +162,64 @@ impl<F: Read + Seek> Reader<F> {
     }
 
     /// Finds the blocks that are there, each after the one before.
-    fn scan(&mut self, begin: u64) -> Result<(), RecordingError> {
+    fn scan(&mut self, begin: u64, checked: bool) -> Result<(), RecordingError> {
+        let length = self.file.seek(SeekFrom::End(0))?;
         let mut offset = begin;
-        loop {
-            self.file.seek(SeekFrom::Start(offset))?;
-            let Ok((head, payload)) = self.read_block() else {
-                return Ok(());
-            };
-            let due = self.samples_end;
-            let is_next = due < self.layout.samples().end
-                && head.first == due
-                && due + u64::from(head.count) == self.layout.block_end(due)
-                && head.fits(&payload);
-            if !is_next {
-                return Ok(());
+        while let Some(head) = self.next_head(offset, length)? {
+            let after = offset + HEAD_BYTES as u64 + u64::from(head.bytes);
+            if checked && !self.is_whole(&head)? {
+                break;
             }
             self.offsets.push(offset);
-            offset += HEAD_BYTES as u64 + payload.len() as u64;
-            self.end = offset;
+            offset = after;
+            self.end = after;
             self.samples_end = head.first + u64::from(head.count);
         }
+        // What a crash left at the end may have its length but not its bytes.
+        while let Some(&last) = self.offsets.last() {
+            let head = self.next_head_at(last)?;
+            match head {
+                Some(head) if checked || self.is_whole(&head)? => break,
+                _ => {}
+            }
+            self.offsets.pop();
+            self.end = last;
+            self.samples_end = self.layout.block_start(self.samples_end - 1);
+        }
+        Ok(())
+    }
+
+    /// The head at an offset, where it is that of the block that is due and all of its bytes are
+    /// there; they are read next.
+    fn next_head(&mut self, offset: u64, length: u64) -> Result<Option<Head>, RecordingError> {
+        let due = self.samples_end;
+        if due >= self.layout.samples().end {
+            return Ok(None);
+        }
+        let ends = |head: &Head| offset + HEAD_BYTES as u64 + u64::from(head.bytes);
+        let head = self.next_head_at(offset)?;
+        Ok(head.filter(|head| {
+            head.first == due
+                && due.checked_add(u64::from(head.count)) == Some(self.layout.block_end(due))
+                && ends(head) <= length
+        }))
+    }
+
+    fn next_head_at(&mut self, offset: u64) -> Result<Option<Head>, RecordingError> {
+        self.file.seek(SeekFrom::Start(offset))?;
+        match read_exact(&mut self.file) {
+            Ok(bytes) => Ok(Head::read(&bytes)),
+            Err(RecordingError::Io(error)) => Err(RecordingError::Io(error)),
+            Err(_) => Ok(None),
+        }
+    }
+
+    /// Whether the bytes that follow a head, which are read next, are what was written.
+    fn is_whole(&mut self, head: &Head) -> Result<bool, RecordingError> {
+        let mut payload = Vec::new();
+        let file = &mut self.file;
+        file.take(u64::from(head.bytes)).read_to_end(&mut payload)?;
+        Ok(head.fits(&payload))
     }
 
     fn read_block(&mut self) -> Result<(Head, Vec<u8>), RecordingError> {

@@ -345,6 +345,66 @@ fn a_recording_goes_on_after_a_break_with_the_same_bytes() {
     }
 }
 
+#[test]
+fn a_cut_recording_is_opened_by_its_heads_and_its_last_block() {
+    let (whole, _) = World::new(&header(3, 400, 1, 100)).record();
+    let reader = open(&whole).unwrap();
+    let (offsets, end) = (reader.blocks().0.to_vec(), reader.blocks().1 as usize);
+    assert!(offsets.len() >= 4);
+    let last = *offsets.last().unwrap() as usize;
+    // A crash has left the length of the last block, but not its bytes.
+    let mut zeroed = whole[..end].to_vec();
+    zeroed[last + 100..].fill(0);
+    let mut reader = open(&zeroed).unwrap();
+    let there = reader.samples();
+    assert_eq!(reader.blocks().0, &offsets[..offsets.len() - 1]);
+    assert_eq!(there.end, reader.layout().block_start(there.end));
+    reader.block(there.end - 1).unwrap();
+    assert!(reader.block(there.end).is_err());
+    // One in the middle is damaged: what is behind it can be read, but is not gone on with.
+    let mut flipped = whole[..end].to_vec();
+    flipped[offsets[1] as usize + 100] ^= 1;
+    let mut reader = open(&flipped).unwrap();
+    let second = reader.layout().block_end(0);
+    assert!(matches!(
+        reader.block(second),
+        Err(RecordingError::Damaged(_))
+    ));
+    reader.block(reader.samples().end - 1).unwrap();
+    let checked = Reader::open_checked(Cursor::new(&flipped[..])).unwrap();
+    assert_eq!(checked.samples().end, second);
+}
+
+#[test]
+fn a_header_that_makes_no_sense_is_refused() {
+    let sound = header(3, 50, 1, 2);
+    let wrong: [fn(&mut Header); 7] = [
+        |header| header.steps_per_epoch = 0,
+        |header| header.every_steps = 0,
+        |header| header.robots = Chosen::First(4),
+        |header| header.robots = Chosen::List(vec![2, 1]),
+        |header| header.robots = Chosen::List(vec![1, 3]),
+        |header| (header.from_epoch, header.epochs) = (u64::MAX, 2),
+        |header| header.objects = u32::MAX,
+    ];
+    for (place, change) in wrong.into_iter().enumerate() {
+        let mut header = sound.clone();
+        change(&mut header);
+        let (_, bytes) = Writer::new(&sound).unwrap();
+        assert!(open(&bytes).is_ok());
+        let bytes = crate::file::beginning(&header).unwrap();
+        assert!(open(&bytes).is_err(), "{place}");
+    }
+    // So many epochs that no number holds its samples: it is empty, not a panic.
+    let endless = Header {
+        epochs: u64::MAX,
+        ..sound
+    };
+    let bytes = crate::file::beginning(&endless).unwrap();
+    let mut reader = open(&bytes).unwrap();
+    assert!(reader.samples().is_empty() && reader.block(0).is_err());
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
