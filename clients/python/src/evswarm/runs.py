@@ -127,6 +127,17 @@ class Run:
         """The same as a drawing."""
         return self._get("coverage.svg").text
 
+    def recording(self, name: str = "live", *, form: str | None = None) -> bytes:
+        """A recording as its file, or as ``csv``, ``parquet`` or ``mcap``; ``live`` is the one
+        that the run made of itself, the others have numbers."""
+        end = "" if form is None else f".{form}"
+        return self._get(f"recordings/{name}{end}").content
+
+    def recording_slice(self, name: str = "live", **query: Any) -> dict[str, Any]:
+        """A slice of a recording: ``from_step``, ``steps``, ``every``, ``robots="0,3"``."""
+        path = f"{self._path()}/recordings/{name}.json"
+        return dict(self._transport.json(path, query))
+
     def cancel(self) -> Run:
         """Stops it for good, in every job that has it."""
         self.document = self._transport.request("POST", f"{self._path()}/cancel").json()
