@@ -1,5 +1,5 @@
 //! Benchmarks of the step loop (cases with goals, measured in turn, compared with earlier figures)
-//! load on the service, its memory, faults of it, and inputs at random.
+//! load on the service, its memory, faults of it, inputs at random, and what recording costs.
 
 pub mod cases;
 mod client;
@@ -11,6 +11,7 @@ pub mod instructions;
 pub mod measure;
 pub mod memory;
 pub mod picture;
+pub mod recording;
 mod server;
 pub mod service;
 pub mod table;

@@ -8,7 +8,8 @@ use clap::{Parser, Subcommand};
 use loadtests::cases::{self, Case};
 use loadtests::measure::{Figure, measure};
 use loadtests::{
-    compare, document, faults, fuzz, instructions, memory, picture, service, table, threads,
+    compare, document, faults, fuzz, instructions, memory, picture, recording, service, table,
+    threads,
 };
 use swarm::crew::Crew;
 
@@ -65,6 +66,8 @@ enum Other {
     Fuzz(fuzz::Options),
     /// One world on several threads.
     Threads(threads::Options),
+    /// What recording costs, as Markdown tables.
+    Recording(recording::Options),
 }
 
 fn main() -> Result<()> {
@@ -75,6 +78,7 @@ fn main() -> Result<()> {
         Some(Other::Memory(options)) => return memory::run(options),
         Some(Other::Fuzz(options)) => return fuzz::run(options),
         Some(Other::Threads(options)) => return threads::run(options),
+        Some(Other::Recording(options)) => return recording::run(options),
         None => {}
     }
     let cases: Vec<Case> = cases::all()

@@ -28,7 +28,8 @@ pub struct Figure {
     pub stretch_us: Option<f64>,
 }
 
-fn quantile(sorted: &[f64], q: f64) -> f64 {
+/// A quantile of values in ascending order.
+pub fn quantile(sorted: &[f64], q: f64) -> f64 {
     let place = ((sorted.len() - 1) as f64 * q).round() as usize;
     sorted[place]
 }
