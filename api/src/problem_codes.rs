@@ -102,6 +102,8 @@ problem_codes! {
         "An arena that ships with the program cannot be deleted."
     RecordingBeingMade 409 "recording-being-made" "The recording is being made"
         "The run records itself: pause or cancel it, or wait until it is done."
+    NotRepeatable 409 "not-repeatable" "The run cannot be stepped again"
+        "A program outside steered it, or it is of another version of results: there is the recording that its spec asked for with `record`, and no other recording and no explanation."
     KeyUnderWay 409 "idempotency-key-under-way" "The same request is under way"
         "A request with the same Idempotency-Key is being stored or its job deleted; ask again after the time in Retry-After."
     BodyTooLarge 413 "body-too-large" "The body is too large"

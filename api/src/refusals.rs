@@ -127,7 +127,18 @@ pub const REFUSED: &[RefusedCase] = &[
         "more than 100 recordings of a run, or 64 that wait",
         RecordingsFull,
     ),
-    service("the result of an unfinished run", NoResult),
+    service(
+        "recording or explaining what a program outside steered",
+        NotRepeatable,
+    ),
+    service(
+        "more bytes of recordings than a run or a job may have",
+        InvalidDocument,
+    ),
+    service(
+        "the result or the explanation of an unfinished run",
+        NoResult,
+    ),
     service(
         "what a robot has learnt by a method that learns nothing",
         NothingLearnt,

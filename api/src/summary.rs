@@ -19,12 +19,39 @@ pub struct JobSummary {
     pub runs: u64,
     /// Runs that are done; only these are summed up.
     pub runs_done: u64,
+    /// Runs that stand out, those that covered least of what was to be expected first; a hundred at
+    /// most.
+    pub odd_runs: Vec<OddRun>,
     /// One for each combination, in order.
     pub groups: Vec<Group>,
     /// How results change with the number of robots; empty where that does not vary.
     pub scaling: Vec<Scaling>,
     /// What sharing changes; empty where `sharing.mode` does not vary or lacks `none`.
     pub sharing: Vec<Sharing>,
+}
+
+/// A run that covered far less or more than those of its group, or whose explanation calls it odd.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct OddRun {
+    /// Its id.
+    pub run_id: String,
+    /// Place in the job.
+    pub index: u64,
+    /// What of the matrix it has, in words.
+    pub label: String,
+    /// Seed.
+    pub seed: u64,
+    /// Squares that it entered.
+    pub p1: u32,
+    /// The median of its group.
+    pub median_p1: f64,
+    /// How far it is from the median: 0.6745 of the distance over the median distance; null where
+    /// the group has fewer than five runs that are done or these hardly differ.
+    pub score: Option<f64>,
+    /// Whether the score is beyond 3.5 or -3.5.
+    pub is_outlier: bool,
+    /// Why it did what it did, where that was asked for: `/v1/runs/{id}/explain`.
+    pub explanation: Option<String>,
 }
 
 /// The runs of one combination.

@@ -1,7 +1,7 @@
 //! `evswarm replay`, `video` and `explain`: a recording or a run, looked at in a terminal or as a film.
 
 use std::fs::File;
-use std::io::{BufReader, BufWriter, IsTerminal, Write};
+use std::io::{BufWriter, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -9,13 +9,12 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, anyhow, bail};
 use api::explanation::Explanation;
 use recording::{Reader, Samples};
-use swarm::run::{Progress, Run};
+use swarm::run::Run;
 
 use super::client::{Client, Server};
 use super::{Failure, output};
 use crate::documents::{BuiltinArenas, parse, resolve};
 use crate::recording::{Film, Moments, View, epoch_of, lines, step_of};
-use crate::runner::{Observer, Stop};
 
 /// Robots of which a line is shown.
 const LINES: usize = 8;
@@ -73,7 +72,7 @@ pub struct VideoArguments {
 
 /// A recording that is open, with the file that it was fetched to.
 struct Open {
-    reader: Reader<BufReader<File>>,
+    reader: Reader<File>,
     _fetched: Option<tempfile::NamedTempFile>,
 }
 
@@ -92,7 +91,7 @@ fn open(source: &Source) -> Result<Open, Failure> {
     } else {
         return Err(anyhow!("{} is no file and no run's id", path.display()).into());
     };
-    let reader = Reader::open(BufReader::new(file))
+    let reader = Reader::open(file)
         .with_context(|| format!("cannot read the recording {}", source.source))?;
     Ok(Open {
         reader,
@@ -115,6 +114,7 @@ fn each_moment(
         .map_or(u64::MAX, |steps| from.saturating_add(steps));
     let there = open.reader.samples();
     let mut block = Samples::default();
+    let mut shown = false;
     for sample in Moments::new(&header, &layout, from, source.every) {
         if sample >= there.end || step_of(&header, layout.place(sample)) >= end {
             break;
@@ -128,8 +128,14 @@ fn each_moment(
                 .context("the recording ends here")?;
         }
         show(&block, (sample - block.first) as usize, sample)?;
+        shown = true;
     }
-    Ok(())
+    if shown {
+        return Ok(());
+    }
+    let last = there.end.checked_sub(1).filter(|last| *last >= there.start);
+    let end = last.map_or(start, |last| step_of(&header, layout.place(last)));
+    Err(anyhow!("no moment is to be shown: the recording ends at step {end}").into())
 }
 
 pub fn replay(arguments: &ReplayArguments) -> Result<(), Failure> {
@@ -201,9 +207,9 @@ pub fn video(arguments: &VideoArguments) -> Result<(), Failure> {
     let cannot = || anyhow!("the arena cannot be drawn at {} pixels", arguments.pixels);
     let film = Film::new(&header.arena, arguments.pixels).ok_or_else(cannot)?;
     let [width, height] = film.size();
-    let mut out = begin_film(&arguments.out, [width, height], arguments.rate)?;
+    let mut out = None;
     let mut pictures = 0;
-    each_moment(source, &mut open, |block, at, sample| {
+    let filmed = each_moment(source, &mut open, |block, at, sample| {
         let epoch = epoch_of(&header, layout.place(sample).arena_epoch);
         // A film is of one arena.
         if epoch.in_training && header.training_arena.is_some() {
@@ -216,14 +222,24 @@ pub fn video(arguments: &VideoArguments) -> Result<(), Failure> {
             )
             .into());
         }
+        let out = match &mut out {
+            Some(out) => out,
+            // Nothing is written before there is something to be shown.
+            None => out.insert(begin_film(&arguments.out, [width, height], arguments.rate)?),
+        };
         let mut pixels = film.show(&header, block, at);
-        add_picture(&mut out, [width, height], arguments.rate, &mut pixels)?;
+        add_picture(out, [width, height], arguments.rate, &mut pixels)?;
         Ok(())
-    })?;
-    if pictures == 0 {
+    });
+    let Some(out) = out else {
+        filmed?;
         return Err(anyhow!("no moment of the target arena is there to be shown").into());
+    };
+    let ended = filmed.and_then(|()| Ok(end_film(out, &arguments.out)?));
+    if ended.is_err() {
+        crate::recording::remove(&arguments.out);
     }
-    end_film(out, &arguments.out)?;
+    ended?;
     output::say(format_args!(
         "{}: {pictures} pictures",
         arguments.out.display()
@@ -330,15 +346,6 @@ pub struct ExplainArguments {
 /// Time between two questions to a service that is still stepping the run.
 const ASK_EVERY: Duration = Duration::from_secs(1);
 
-/// Nobody, beside the watcher.
-struct Nobody;
-
-impl Observer for Nobody {
-    fn after_block(&mut self, _: &Run, _: &Progress) -> Result<(), Stop> {
-        Ok(())
-    }
-}
-
 pub fn explain(arguments: &ExplainArguments) -> Result<(), Failure> {
     let path = Path::new(&arguments.source);
     let explanation = if path.is_file() {
@@ -347,7 +354,7 @@ pub fn explain(arguments: &ExplainArguments) -> Result<(), Failure> {
             .and_then(|value| resolve(&value, &BuiltinArenas))
             .map_err(Failure::WrongSpec)?;
         let run = Run::new(spec.run_spec()).map_err(super::run::wrong)?;
-        crate::explain::explain(run, &|| false, &mut Nobody)?
+        crate::explain::explain(run, &|| false, &mut [])?
     } else {
         let client = Client::new(&arguments.server);
         let route = format!("/v1/runs/{}/explain", arguments.source);

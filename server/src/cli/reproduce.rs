@@ -208,7 +208,7 @@ fn finish(
         run_memory_bytes: default_run_memory_bytes(workers),
         unfinished_limit: u64::MAX,
         keep_every_epochs: None,
-        recordings_bytes: crate::scheduler::RECORDINGS_BYTES,
+        recordings: crate::recording::Limits::DEFAULT,
         channels: ChannelSettings::default(),
     };
     let scheduler = Scheduler::start(Arc::clone(store), config)?;

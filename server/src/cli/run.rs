@@ -15,7 +15,7 @@ use super::progress::Meter;
 use super::{Failure, output};
 use crate::artifacts::{self, Finished, Timing};
 use crate::channels::{ChannelSettings, Extent, External, FramePublisher};
-use crate::documents::{self, BuiltinArenas, ResolvedRun, Stretch};
+use crate::documents::{self, BuiltinArenas, MOST_RECORDING_BYTES, ResolvedRun, Stretch};
 use crate::recording::{self, Begun, SharedRecorder, Tail};
 use crate::runner::{self, Checkpoints, Ended, MemoryBound, Pilot, Threads, Waits};
 use crate::scheduler::findings_of;
@@ -211,7 +211,8 @@ fn recorded(spec: &ResolvedRun, checkpoint: &Checkpoint, run: Run) -> Result<Beg
         return Ok(Begun { run, recorder });
     };
     let header = recording::header(spec, request, Stretch::whole(&spec.run_spec()));
-    recording::begin(run, header, &checkpoint.recording(), || {
+    let paths = checkpoint.recording();
+    recording::begin(run, header, &paths, MOST_RECORDING_BYTES, || {
         Run::new(spec.run_spec()).map_err(wrong)
     })
 }

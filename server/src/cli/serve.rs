@@ -12,6 +12,7 @@ use super::failure::Failure;
 use super::token;
 use super::values::{listen_address, threads};
 use crate::http::ServeOptions;
+use crate::recording::Limits;
 use crate::scheduler::Keep;
 use crate::store::DEFAULT_FINAL_BYTES;
 
@@ -55,8 +56,14 @@ pub struct ServeArguments {
     #[arg(long, env = "EVSWARM_FINAL_STATE_BYTES", default_value_t = DEFAULT_FINAL_BYTES)]
     final_state_bytes: u64,
     /// Most bytes of all recordings together: the oldest go to make room.
-    #[arg(long, env = "EVSWARM_RECORDINGS_BYTES", value_name = "BYTES", default_value_t = crate::scheduler::RECORDINGS_BYTES, value_parser = clap::value_parser!(u64).range(1_000_000..))]
+    #[arg(long, env = "EVSWARM_RECORDINGS_BYTES", value_name = "BYTES", default_value_t = Limits::DEFAULT.all_bytes, value_parser = clap::value_parser!(u64).range(1_000_000..))]
     recordings_bytes: u64,
+    /// Most bytes of the recordings of a job's runs: what would take more is refused.
+    #[arg(long, env = "EVSWARM_JOB_RECORDINGS_BYTES", value_name = "BYTES", default_value_t = Limits::DEFAULT.job_bytes, value_parser = clap::value_parser!(u64).range(1_000_000..))]
+    job_recordings_bytes: u64,
+    /// Most bytes of the recordings of a run: what would take more is refused.
+    #[arg(long, env = "EVSWARM_RUN_RECORDINGS_BYTES", value_name = "BYTES", default_value_t = Limits::DEFAULT.run_bytes, value_parser = clap::value_parser!(u64).range(1_000_000..))]
+    run_recordings_bytes: u64,
     /// Keep a checkpoint of each run after every so many epochs of an arena, at most 16 a run, so
     /// that a recording made later begins near [default: none].
     #[arg(long, env = "EVSWARM_KEEP_CHECKPOINTS_EVERY", value_name = "EPOCHS")]
@@ -77,6 +84,8 @@ pub fn serve(arguments: ServeArguments) -> Result<(), Failure> {
         keep_bytes,
         final_state_bytes,
         recordings_bytes,
+        job_recordings_bytes,
+        run_recordings_bytes,
         keep_checkpoints_every,
     } = arguments;
     crate::http::serve(ServeOptions {
@@ -92,7 +101,11 @@ pub fn serve(arguments: ServeArguments) -> Result<(), Failure> {
             bytes: keep_bytes,
         },
         final_state_bytes,
-        recordings_bytes,
+        recordings: Limits {
+            run_bytes: run_recordings_bytes,
+            job_bytes: job_recordings_bytes,
+            all_bytes: recordings_bytes,
+        },
         keep_every_epochs: keep_checkpoints_every,
     })?;
     Ok(())

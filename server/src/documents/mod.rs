@@ -21,6 +21,7 @@ mod parse;
 mod parts;
 mod placement;
 mod record;
+mod record_bytes;
 mod resolve;
 mod resolved;
 pub mod schemas;
@@ -39,9 +40,8 @@ pub use listing::controllers;
 pub(crate) use matrix::indices_at;
 pub use one_number::one_number;
 pub use parse::parse;
-pub use record::{
-    MOST_RECORDING_BYTES, RecordRequest, RobotChoice, Stretch, asked as asked_recording, names_of,
-};
+pub use record::{RecordRequest, RobotChoice, Stretch, asked as asked_recording, names_of};
+pub use record_bytes::{MOST_RECORDING_BYTES, check_job_recordings};
 pub use resolve::resolve;
 pub use resolved::ResolvedRun;
 pub use template_list::templates;

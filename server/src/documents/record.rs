@@ -9,10 +9,8 @@ use swarm::run::StagePlan;
 use super::domains::Whole;
 use super::fields::{Errors, Object, did_you_mean, join, kind, read_whole};
 
-/// Most bytes of one recording, about which a spec is refused that would make a larger one.
-pub const MOST_RECORDING_BYTES: u64 = 4 << 30;
 /// Names of what is recorded of a robot, and about how many bytes each takes a sample.
-const FIELDS: [(&str, f64); 4] = [
+pub(super) const FIELDS: [(&str, f64); 4] = [
     ("pose", 1.0),
     ("command", 1.5),
     ("sensors", 6.0),
@@ -25,8 +23,6 @@ pub(super) const EVERY_STEPS: Whole = Whole {
     max: u32::MAX as u64,
     default: 0,
 };
-/// About how many bytes an object takes a sample.
-const OBJECT_BYTES: f64 = 1.0;
 
 /// What is to be recorded.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -114,59 +110,6 @@ impl RecordRequest {
             }),
         }
     }
-
-    /// About how many bytes it takes, of so many robots and objects in so many samples.
-    fn bytes(&self, samples: u64, robots: usize, objects: usize) -> f64 {
-        let has = has(self.fields);
-        let fields = FIELDS.iter().zip(has);
-        let robot: f64 = fields.filter(|(_, has)| *has).map(|((_, b), _)| b).sum();
-        samples as f64 * (robot * robots as f64 + OBJECT_BYTES * objects as f64)
-    }
-
-    /// Whether a recording of so many epochs would be too large.
-    ///
-    /// # Errors
-    /// What would fit.
-    pub fn check_size(&self, spec: &ValidSpec, epochs: u64) -> Result<(), FieldError> {
-        let samples =
-            |every: u32| epochs.saturating_mul(1 + u64::from(spec.steps_per_epoch / every));
-        let robots = self.robots.of(spec.robots).len();
-        let objects = spec.arena.objects().len();
-        let bytes = |every, robots| self.bytes(samples(every), robots, objects);
-        let most = MOST_RECORDING_BYTES as f64;
-        let wanted = bytes(self.every_steps, robots);
-        if wanted <= most {
-            return Ok(());
-        }
-        let fits = |every: &u32| bytes(*every, robots) <= most;
-        // From one step to one epoch, by tenths of what is too little.
-        let steps = std::iter::successors(Some(self.every_steps), |every| {
-            (*every < spec.steps_per_epoch).then(|| every + every.div_ceil(10))
-        });
-        let every = steps
-            .map(|every| every.min(spec.steps_per_epoch))
-            .find(fits);
-        let fewer = ((robots as f64 * most / wanted).floor() as usize).max(1);
-        let fewer = (bytes(self.every_steps, fewer) <= most).then_some(fewer);
-        let ways = [
-            every.map(|every| format!("every_steps of at least {every}")),
-            fewer.map(|fewer| format!("at most {fewer} robots")),
-        ];
-        let ways: Vec<String> = ways.into_iter().flatten().collect();
-        let allowed = match ways.is_empty() {
-            true => "fewer epochs, fields, robots and samples".to_owned(),
-            false => ways.join(", or "),
-        };
-        Err(FieldError::new(
-            "/record",
-            format!(
-                "the recording would take about {:.1} GiB, more than {} GiB",
-                wanted / f64::from(1 << 30),
-                MOST_RECORDING_BYTES >> 30
-            ),
-            allowed,
-        ))
-    }
 }
 
 /// Names of what is recorded of a robot.
@@ -174,7 +117,7 @@ pub(super) fn field_names() -> [&'static str; 4] {
     FIELDS.map(|(name, _)| name)
 }
 
-fn has(fields: Fields) -> [bool; 4] {
+pub(super) fn has(fields: Fields) -> [bool; 4] {
     [fields.pose, fields.command, fields.sensors, fields.decision]
 }
 
@@ -251,13 +194,7 @@ pub fn asked(
     let every_steps = object.whole(&field, &mut errors) as u32;
     let request = request(&object, every_steps, spec.robots, &mut errors);
     match request {
-        Some(request) if errors.is_empty() => {
-            request.check_size(spec, epochs).map_err(|mut error| {
-                error.pointer = String::new();
-                vec![error]
-            })?;
-            Ok((request, Stretch { from_epoch, epochs }))
-        }
+        Some(request) if errors.is_empty() => Ok((request, Stretch { from_epoch, epochs })),
         _ => Err(errors.into_vec()),
     }
 }

@@ -13,6 +13,7 @@ use super::learning;
 use super::limits::{MAX_EPOCHS, MAX_ROBOTS, MAX_SEED, MAX_STEPS_PER_EPOCH};
 use super::placement;
 use super::record::{RecordRequest, Stretch, record};
+use super::record_bytes::MOST_RECORDING_BYTES;
 use super::resolved::{Beside, ResolvedRun};
 use super::start::Start;
 
@@ -119,7 +120,13 @@ pub(super) fn resolve_with(
 /// Whether what is recorded of a run is too much.
 fn check_size(run: &ValidSpec, record: Option<&RecordRequest>) -> Result<(), FieldError> {
     let Some(record) = record else { return Ok(()) };
-    record.check_size(run, Stretch::whole(run).epochs)
+    let epochs = Stretch::whole(run).epochs;
+    record.check_size(
+        run,
+        epochs,
+        MOST_RECORDING_BYTES,
+        "that a recording may take",
+    )
 }
 
 fn read(

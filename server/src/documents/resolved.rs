@@ -85,6 +85,11 @@ impl ResolvedRun {
         &self.common.run
     }
 
+    /// The same, of which it is known that it can be run.
+    pub(super) fn common_valid_spec(&self) -> &ValidSpec {
+        &self.common.run
+    }
+
     /// Counted epochs.
     pub fn epochs(&self) -> u32 {
         self.common.run.epochs

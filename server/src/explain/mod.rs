@@ -10,4 +10,4 @@ mod watch;
 mod words;
 
 pub use kind::Kind;
-pub use simulate::{ExplainError, explain};
+pub use simulate::{ExplainError, NOT_STEPPED_AGAIN, explain};

@@ -2,10 +2,15 @@
 
 use api::explanation::Explanation;
 use swarm::run::{Phase, Progress, Run, StagePlan, Witness};
+use swarm::spec::Method;
 
 use super::watch::Watcher;
 use super::words::{About, explanation};
 use crate::runner::{self, Ended, Observer, Stop};
+
+/// Why a run is neither explained nor recorded afterwards that was steered from outside.
+pub const NOT_STEPPED_AGAIN: &str = "a program outside steers the run, which cannot be stepped again \
+     without it: say `record` in the spec of a run that is to be recorded";
 
 /// Why a run is not explained.
 #[derive(Debug, thiserror::Error)]
@@ -37,11 +42,20 @@ impl Observer for Watching {
 pub fn explain(
     mut run: Run,
     is_stopping: &dyn Fn() -> bool,
-    beside: &mut dyn Observer,
+    beside: &mut [&mut dyn Observer],
 ) -> Result<Explanation, ExplainError> {
+    if run.spec().controller.method == Method::External {
+        return Err(ExplainError::Failed(NOT_STEPPED_AGAIN.to_owned()));
+    }
     let begun = run.progress().robot_steps_done;
     let mut watching = Watching(Watcher::new(&run));
-    let ended = runner::step(&mut run, is_stopping, &mut [beside, &mut watching]);
+    let mut observers: Vec<&mut dyn Observer> = vec![&mut watching];
+    observers.extend(
+        beside
+            .iter_mut()
+            .map(|observer| &mut **observer as &mut dyn Observer),
+    );
+    let ended = runner::step(&mut run, is_stopping, &mut observers);
     match ended {
         Ended::Done => {}
         Ended::Stopped => return Err(ExplainError::Stopped),

@@ -4,20 +4,12 @@
 use api::explanation::Explanation;
 use recording::{Reader, SamplePlace};
 use serde_json::{Value, json};
-use swarm::run::{Progress, Run};
+use swarm::run::Run;
 
 use super::*;
 use crate::documents::{BuiltinArenas, ResolvedRun, Stretch, resolve};
 use crate::recording::{Paths, Recorder, SharedRecorder, finish, header};
-use crate::runner::{self, Observer, Stop};
-
-struct Nobody;
-
-impl Observer for Nobody {
-    fn after_block(&mut self, _: &Run, _: &Progress) -> Result<(), Stop> {
-        Ok(())
-    }
-}
+use crate::runner;
 
 fn resolved(spec: &Value) -> ResolvedRun {
     resolve(spec, &BuiltinArenas).unwrap()
@@ -25,7 +17,7 @@ fn resolved(spec: &Value) -> ResolvedRun {
 
 fn explained(spec: &Value) -> Explanation {
     let run = Run::new(resolved(spec).run_spec()).unwrap();
-    explain(run, &|| false, &mut Nobody).unwrap()
+    explain(run, &|| false, &mut []).unwrap()
 }
 
 /// A run that covers 3.6 % of what it can reach.

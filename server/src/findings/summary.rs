@@ -1,13 +1,16 @@
 //! A job's finished runs pooled over seeds, from what is stored of them.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use api::comparison::Comparison;
 use api::{JobSummary, State};
 
 use super::{Assembler, FindingsError};
 use crate::documents::Design;
+use crate::recording::known_explanation;
 use crate::store::{JobKey, JobView, RunView};
 use crate::summary::comparison::comparison;
-use crate::summary::{FinishedRun, Input, summary};
+use crate::summary::{FinishedRun, Input, Told, summary};
 
 impl Assembler {
     /// The summary of a job as far as it is done.
@@ -16,7 +19,10 @@ impl Assembler {
     /// When the store fails, or holds of one of its runs what cannot be read.
     pub fn summary(&self, job: &JobView) -> Result<JobSummary, FindingsError> {
         let runs = self.store.all_runs(job.seq)?;
-        let input = self.input(job, &runs)?;
+        let input = Input {
+            told: self.told(&runs),
+            ..self.input(job, &runs)?
+        };
         let mut fault = None;
         let summary = summary(&input, |place| {
             let run = runs.get(usize::try_from(place).ok()?)?;
@@ -58,6 +64,7 @@ impl Assembler {
             robots: robots.collect::<Result<_, _>>()?,
             labels: parts.into_iter().flat_map(|part| part.labels).collect(),
             finished: self.finished(runs)?,
+            told: BTreeMap::new(),
             designs,
         })
     }
@@ -78,12 +85,30 @@ impl Assembler {
             }))
     }
 
+    /// What is known of why runs did what they did, by their places.
+    fn told(&self, runs: &[RunView]) -> BTreeMap<u64, Told> {
+        let recordings = self.store.recordings();
+        let known: BTreeSet<String> = recordings.runs().into_iter().collect();
+        let explained = runs.iter().filter(|run| known.contains(&run.id));
+        explained
+            .filter_map(|run| {
+                let explanation = known_explanation(&recordings.of(&run.id))?.ok()?;
+                let told = Told {
+                    is_odd: explanation.is_odd,
+                    sentence: explanation.sentence,
+                };
+                Some((run.ordinal, told))
+            })
+            .collect()
+    }
+
     fn finished(&self, runs: &[RunView]) -> Result<Vec<FinishedRun>, FindingsError> {
         let mut finished = Vec::new();
         for run in runs {
             let Some(result) = run.result() else { continue };
             if run.state.state() == State::Done {
                 finished.push(FinishedRun {
+                    id: run.id.clone(),
                     place: run.ordinal,
                     seed: run.seed,
                     result: result.clone(),

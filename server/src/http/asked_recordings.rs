@@ -1,7 +1,9 @@
 //! `/v1/runs/{id}/recordings`: those that there are of a run, and those that are asked for
 //! afterwards, for which the run is stepped again.
 
-use api::ProblemCode::{self, RecordingBeingMade, RecordingNotFound, RecordingsFull};
+use api::ProblemCode::{
+    self, NoResult, NotRepeatable, RecordingBeingMade, RecordingNotFound, RecordingsFull,
+};
 use api::recording::{
     AskRecording, RecordingList, RecordingSlice, RecordingState, RecordingSummary,
 };
@@ -21,7 +23,7 @@ use super::recordings::{MCAP, MEDIA_TYPE, SLICE, as_mcap, cut, table, whole};
 use super::refusal::Refusal;
 use super::request::{parse, said_to_be_json};
 use super::routes::Routes;
-use crate::recording::{AskError, Paths};
+use crate::recording::{AskError, Paths, live_state};
 use crate::store::RunView;
 use crate::tables::Form;
 
@@ -55,7 +57,7 @@ pub fn routes() -> Routes {
                 .takes(Shape::of::<AskRecording>())
                 .creates::<RecordingSummary>(201, "It is to be made.")
                 .shows::<RecordingSummary>("It was asked for before.")
-                .refuses(&[RecordingsFull]),
+                .refuses(&[RecordingsFull, NotRepeatable]),
         )
         .get(
             "/runs/{id}/recordings/{name}",
@@ -191,11 +193,11 @@ async fn delete(State(app): State<App>, Named { run, name }: Named) -> Result<St
             let paths = app.store.recordings().live(&run.id);
             let opened = paths.open().map_err(|error| Refusal::internal(&error))?;
             let (_, stage) = opened.ok_or_else(|| not_found(&name))?;
-            if RecordingState::from(stage) == RecordingState::Recording {
+            if live_state(&run, stage) == RecordingState::Recording {
                 let detail = "the run is still to record more of itself";
                 return Err(Refusal::new(RecordingBeingMade, detail));
             }
-            paths.remove();
+            paths.remove_bytes();
             return Ok(StatusCode::NO_CONTENT);
         }
         let number = name.parse().map_err(|_| not_found(&name))?;
@@ -214,6 +216,8 @@ impl From<AskError> for Refusal {
             AskError::Invalid(errors) => Self::fields(errors),
             AskError::TooManyWait => Self::new(RecordingsFull, detail).retry_after_s(30),
             AskError::TooMany => Self::new(RecordingsFull, detail),
+            AskError::NotRepeatable(_) => Self::new(NotRepeatable, detail),
+            AskError::NotDone(_) => Self::new(NoResult, detail),
             AskError::Origin(_) => Self::damaged(&detail),
             AskError::Io(error) => Self::internal(&error),
         }

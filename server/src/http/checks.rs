@@ -113,6 +113,8 @@ async fn job(
     app.blocking(move |app| {
         let arenas = StoredArenas::new(&app.store);
         let job = expand(&parse(&body)?, &arenas).map_err(Refusal::fields)?;
+        let limits = &app.scheduler.config().recordings;
+        limits.check_job(&job.runs).map_err(Refusal::fields)?;
         Ok(Json(estimate(app, &job)?))
     })
     .await

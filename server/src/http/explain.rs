@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use api::ProblemCode::RecordingsFull;
+use api::ProblemCode::{NoResult, NotRepeatable, RecordingsFull};
 use api::explanation::{Explanation, ExplanationPending};
 use axum::Json;
 use axum::extract::State;
@@ -41,7 +41,7 @@ pub fn routes() -> Routes {
             JSON,
             Some(Shape::of::<ExplanationPending>()),
         )
-        .refuses(&[RecordingsFull]),
+        .refuses(&[RecordingsFull, NotRepeatable, NoResult]),
     )
 }
 
@@ -56,9 +56,9 @@ async fn explain(State(app): State<App>, FoundRun(run): FoundRun) -> Result<Resp
     let robot_steps = spec.robot_steps();
     let end = Instant::now() + PATIENCE;
     loop {
-        let id = run.id.clone();
+        let (run, spec) = (run.clone(), spec.clone());
         let explained = app
-            .blocking(move |app| Ok(app.recordings.explained(&id)?))
+            .blocking(move |app| Ok(app.recordings.explained(&run, &spec)?))
             .await?;
         match explained {
             Explained::Known(explanation) => return Ok(Json(*explanation).into_response()),

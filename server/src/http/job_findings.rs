@@ -13,7 +13,13 @@ use super::operation::{JSON, Operation, Shape, camel};
 use super::refusal::Refusal;
 use super::routes::Routes;
 use crate::reproduce::{Claims, Report};
+use crate::store::JobView;
 use crate::summary::{csv, markdown};
+
+/// Runs of a job that are explained without being asked for, the first of those that stand out.
+const MOST_EXPLAINED: usize = 5;
+/// Robot-steps of one that is: about a minute.
+const MOST_ROBOT_STEPS: u64 = 200_000_000;
 
 /// Formats of a summary, by the end of the route.
 type SummaryText = (&'static str, &'static str, fn(&JobSummary) -> String);
@@ -49,7 +55,7 @@ pub fn routes() -> Routes {
     for (end, media_type, text) in SUMMARIES {
         let show = async move |State(app): State<App>, FoundJob(job)| {
             app.blocking(move |app| {
-                let summary = app.findings.summary(&job)?;
+                let summary = summarised(app, &job)?;
                 Ok(([(CONTENT_TYPE, media_type)], text(&summary)).into_response())
             })
             .await
@@ -88,6 +94,22 @@ async fn summary(
     State(app): State<App>,
     FoundJob(job): FoundJob,
 ) -> Result<Json<JobSummary>, Refusal> {
-    app.blocking(move |app| Ok(Json(app.findings.summary(&job)?)))
+    app.blocking(move |app| Ok(Json(summarised(app, &job)?)))
         .await
+}
+
+/// The summary of a job. Of runs that covered far too little it is found out why, one after the
+/// other, when nobody waits for anything else.
+fn summarised(app: &App, job: &JobView) -> Result<JobSummary, Refusal> {
+    let summary = app.findings.summary(job)?;
+    let few = summary.odd_runs.iter().take(MOST_EXPLAINED);
+    let unknown = few.filter(|run| run.explanation.is_none() && run.score.is_some_and(|z| z < 0.0));
+    if summary.runs_done == summary.runs {
+        for odd in unknown {
+            let run = app.run(&odd.run_id)?;
+            let spec = app.findings.resolved(&run)?;
+            app.recordings.explain_later(&run, &spec, MOST_ROBOT_STEPS);
+        }
+    }
+    Ok(summary)
 }

@@ -122,6 +122,8 @@ async fn create(
             Some(seq) => seq,
             None => {
                 let expanded = expand(&document, &arenas).map_err(Refusal::fields)?;
+                let limits = &app.scheduler.config().recordings;
+                limits.check_job(&expanded.runs).map_err(Refusal::fields)?;
                 let (Created::New(seq, _) | Created::Replayed(seq)) =
                     app.scheduler.submit(&new_job(expanded, request))?;
                 seq

@@ -2,7 +2,7 @@
 //! and in other formats.
 
 use std::fs::File;
-use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
+use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::sync::Arc;
 
 use api::ProblemCode::{self, RecordingNotFound};
@@ -16,6 +16,7 @@ use axum::http::header::{
 use axum::http::{HeaderMap, HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
 use recording::Reader;
+use swarm::spec::Method;
 use tokio::sync::OwnedSemaphorePermit;
 
 use super::App;
@@ -26,6 +27,7 @@ use super::parts::streamed;
 use super::query::{Parameter, Query};
 use super::refusal::Refusal;
 use super::routes::Routes;
+use crate::explain::NOT_STEPPED_AGAIN;
 use crate::recording::{Paths, SliceError, SliceQuery, Stage, slice, write_mcap, write_rows};
 use crate::store::RunView;
 use crate::tables::Form;
@@ -251,7 +253,7 @@ pub async fn table(
     form: Form,
 ) -> Result<Response, Refusal> {
     let suffix = form.suffix();
-    let made = move |reader: &mut Reader<BufReader<File>>, out: &mut (dyn Write + Send)| {
+    let made = move |reader: &mut Reader<File>, out: &mut (dyn Write + Send)| {
         write_rows(reader, form, out)
     };
     convert(app, paths, run, (name, suffix, form.media_type()), made).await
@@ -264,9 +266,7 @@ pub async fn as_mcap(
     run: RunView,
     name: &'static str,
 ) -> Result<Response, Refusal> {
-    let made = |reader: &mut Reader<BufReader<File>>, out: &mut (dyn Write + Send)| {
-        write_mcap(reader, out)
-    };
+    let made = |reader: &mut Reader<File>, out: &mut (dyn Write + Send)| write_mcap(reader, out);
     convert(app, paths, run, (name, "mcap", MCAP), made).await
 }
 
@@ -276,9 +276,7 @@ pub async fn convert(
     paths: Paths,
     run: RunView,
     (name, suffix, media_type): (&'static str, &'static str, &'static str),
-    make: impl FnOnce(&mut Reader<BufReader<File>>, &mut (dyn Write + Send)) -> io::Result<()>
-    + Send
-    + 'static,
+    make: impl FnOnce(&mut Reader<File>, &mut (dyn Write + Send)) -> io::Result<()> + Send + 'static,
 ) -> Result<Response, Refusal> {
     let place = place(&app)?;
     let (mut reader, _) = app.blocking(move |_| read(&paths, &run)).await?;
@@ -308,14 +306,19 @@ fn place(app: &App) -> Result<OwnedSemaphorePermit, Refusal> {
 fn open(paths: &Paths, run: &RunView) -> Result<(File, Stage), Refusal> {
     let opened = paths.open().map_err(|error| Refusal::internal(&error))?;
     opened.ok_or_else(|| {
-        let detail = format!("the run {} has no such recording", run.id);
+        let what = format!("the run {} has no such recording", run.id);
+        let detail = if run.method == Method::External.name() {
+            format!("{what}: {NOT_STEPPED_AGAIN}")
+        } else {
+            format!("{what}; POST /v1/runs/{}/recordings makes one", run.id)
+        };
         Refusal::new(RecordingNotFound, detail)
     })
 }
 
-fn read(paths: &Paths, run: &RunView) -> Result<(Reader<BufReader<File>>, Stage), Refusal> {
+fn read(paths: &Paths, run: &RunView) -> Result<(Reader<File>, Stage), Refusal> {
     let (file, stage) = open(paths, run)?;
-    let reader = Reader::open(BufReader::with_capacity(256 << 10, file));
+    let reader = Reader::open(file);
     let reader = reader.map_err(|error| Refusal::damaged(&error))?;
     Ok((reader, stage))
 }

@@ -60,7 +60,7 @@ pub fn routes() -> Routes {
 fn recordings(store: &Arc<Store>, scheduler: &Arc<Scheduler>, findings: &Arc<Assembler>) -> Maker {
     let config = scheduler.config();
     let settings = Settings {
-        most_bytes: config.recordings_bytes,
+        limits: config.recordings,
         run_memory_bytes: config.run_memory_bytes,
     };
     let findings = Arc::clone(findings);

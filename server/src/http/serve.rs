@@ -15,6 +15,7 @@ use super::access::Tokens;
 use super::listen::listen;
 use super::router::router;
 use crate::channels::ChannelSettings;
+use crate::recording::Limits;
 use crate::runner::default_run_memory_bytes;
 use crate::scheduler::{Keep, Scheduler, SchedulerConfig};
 use crate::stop::Stop;
@@ -41,8 +42,8 @@ pub struct ServeOptions {
     pub run_memory_bytes: Option<u64>,
     /// Epochs of an arena after which a checkpoint of each run is kept for later recordings.
     pub keep_every_epochs: Option<NonZeroU32>,
-    /// Most bytes of all recordings together.
-    pub recordings_bytes: u64,
+    /// Most bytes of recordings.
+    pub recordings: Limits,
     /// A token that allows everything. This or a file of them is needed to listen beyond loopback.
     pub token: Option<String>,
     /// A file of tokens, as `evswarm token` makes its lines.
@@ -87,7 +88,7 @@ pub fn serve(options: ServeOptions) -> anyhow::Result<()> {
                 .run_memory_bytes
                 .unwrap_or_else(|| default_run_memory_bytes(workers)),
             keep_every_epochs: options.keep_every_epochs,
-            recordings_bytes: options.recordings_bytes,
+            recordings: options.recordings,
             channels: ChannelSettings::default(),
         };
         let scheduler = Arc::new(Scheduler::start(Arc::clone(&store), config)?);

@@ -2,38 +2,30 @@
 //! time, from the nearest checkpoint that was kept or from its beginning. The same thread sees to it
 //! that recordings do not take too much room, and that none outlives its run.
 
-use std::collections::VecDeque;
-use std::path::Path;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
 
+use api::State;
 use api::explanation::Explanation;
 use api::recording::{RecordingState, RecordingSummary};
-use swarm::run::{Progress, Run};
+use swarm::spec::Method;
 
-use super::explained::{keep_explanation, known_explanation};
-use super::kept::nearest;
+use super::explained::known_explanation;
+use super::limits::Limits;
 use super::origin::{begin_at_origin, first_whole_epoch};
 use super::paths::Stage;
-use super::recorder::{Recorder, SharedRecorder};
-use super::room::{keep_within, sweep};
-use super::subject::header;
+use super::room::bytes_of;
 use super::wish::{Wish, all};
-use crate::documents::{
-    MOST_RECORDING_BYTES, RecordRequest, ResolvedRun, Stretch, asked_recording,
-};
-use crate::explain::{ExplainError, explain};
-use crate::runner::{self, MemoryBound, Observer, PauseAt, Stop};
-use crate::store::{RunView, Store};
+use crate::documents::{ResolvedRun, Stretch, asked_recording};
+use crate::explain::NOT_STEPPED_AGAIN;
+use crate::store::{JobKey, RunKey, RunView, Store};
 
 /// Most recordings that wait.
 pub const MOST_WAITING: usize = 64;
 /// Most recordings of one run.
 pub const MOST_OF_A_RUN: usize = 100;
-/// How often room is looked after.
-const TIDY: Duration = Duration::from_secs(20);
 
 /// Resolves the stored spec of a run.
 pub type SpecOf = Box<dyn Fn(&RunView) -> Result<ResolvedRun, String> + Send + Sync>;
@@ -44,42 +36,44 @@ pub struct Maker {
     thread: Mutex<Option<JoinHandle<()>>>,
 }
 
-struct Shared {
-    store: Arc<Store>,
-    spec_of: SpecOf,
-    settings: Settings,
-    state: Mutex<State>,
-    changed: Condvar,
+pub(super) struct Shared {
+    pub store: Arc<Store>,
+    pub spec_of: SpecOf,
+    pub settings: Settings,
+    state: Mutex<Todo>,
+    pub changed: Condvar,
 }
 
 /// What recordings may take.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
-    /// Bytes of all recordings together.
-    pub most_bytes: u64,
+    /// Bytes of recordings.
+    pub limits: Limits,
     /// Bytes that a run may hold while it is stepped again.
     pub run_memory_bytes: u64,
 }
 
 #[derive(Default)]
-struct State {
-    waiting: VecDeque<(String, Task)>,
-    active: Option<Active>,
-    stopping: bool,
+pub(super) struct Todo {
+    pub waiting: VecDeque<(String, Task)>,
+    /// Runs that are explained when nothing waits.
+    pub later: VecDeque<String>,
+    pub active: Option<Active>,
+    pub stopping: bool,
 }
 
 #[derive(Clone)]
-struct Active {
-    run: String,
-    task: Task,
-    stop: Arc<AtomicBool>,
+pub(super) struct Active {
+    pub run: String,
+    pub task: Task,
+    pub stop: Arc<AtomicBool>,
     /// Steps done and in all.
-    steps: Arc<[AtomicU64; 2]>,
+    pub steps: Arc<[AtomicU64; 2]>,
 }
 
 /// What is to be done with a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Task {
+pub(super) enum Task {
     /// Make the recording of this number.
     Record(u64),
     /// Explain it.
@@ -103,6 +97,12 @@ pub enum AskError {
     /// What is asked for cannot be.
     #[error("the recording cannot be made")]
     Invalid(Vec<api::FieldError>),
+    /// The run cannot be stepped again.
+    #[error("{0}")]
+    NotRepeatable(&'static str),
+    /// The run is not done.
+    #[error("the run is {0}: it is explained when it is done")]
+    NotDone(State),
     /// The state that the run goes on from cannot be used.
     #[error("{0}")]
     Origin(String),
@@ -125,9 +125,9 @@ impl Maker {
             store,
             spec_of,
             settings,
-            state: Mutex::new(State {
+            state: Mutex::new(Todo {
                 waiting,
-                ..State::default()
+                ..Todo::default()
             }),
             changed: Condvar::new(),
         });
@@ -155,13 +155,17 @@ impl Maker {
     ) -> Result<(Wish, bool), AskError> {
         let first = self.shared.first_epoch(&run.id, spec);
         let first = first.map_err(AskError::Origin)?;
-        let asked = asked_recording(document, &spec.run_spec(), first);
+        can_be_repeated(run, spec)?;
+        let run_spec = spec.run_spec();
+        let asked = asked_recording(document, &run_spec, first);
         let (request, stretch) = asked.map_err(AskError::Invalid)?;
+        let of_jobs = self.shared.bytes_of_jobs(run.seq);
         let mut state = self.shared.state();
         let directory = self.shared.store.recordings().of(&run.id);
         let there = all(&directory);
         let number = there.last().map_or(1, |last| last.number + 1);
-        let wish = Wish::new(number, &request, stretch);
+        let about_bytes = request.about_bytes(&run_spec, stretch.epochs);
+        let wish = Wish::new(number, &request, stretch, about_bytes);
         if let Some(like) = there.iter().find(|other| other.is_like(&wish)) {
             return Ok((like.clone(), false));
         }
@@ -171,7 +175,28 @@ impl Maker {
         if state.waiting.len() >= MOST_WAITING {
             return Err(AskError::TooManyWait);
         }
+        let limits = &self.shared.settings.limits;
+        let of_run = bytes_of(&directory) + self.shared.still_to_come(run, spec);
+        for (most_bytes, whose) in [
+            (limits.of_one(), "that a recording may take here".to_owned()),
+            (
+                limits.of_a_run().saturating_sub(of_run),
+                left("the run", limits.of_a_run(), of_run),
+            ),
+            (
+                limits.of_a_job().saturating_sub(of_jobs),
+                left("the run's job", limits.of_a_job(), of_jobs),
+            ),
+        ] {
+            let fits = request.check_size(&run_spec, stretch.epochs, most_bytes, &whose);
+            fits.map_err(|mut error| {
+                error.pointer.clear();
+                AskError::Invalid(vec![error])
+            })?;
+        }
         std::fs::create_dir_all(&directory)?;
+        // Of one whose wish was lost.
+        wish.paths(&directory).remove();
         wish.write(&directory)?;
         state
             .waiting
@@ -187,12 +212,12 @@ impl Maker {
         let live = spec.record().and_then(|request| {
             let first = self.shared.first_epoch(&run.id, spec).unwrap_or(0);
             let stretch = Stretch::whole(&spec.run_spec()).starting_at(first);
-            let wish = Wish::new(0, request, stretch);
+            let wish = Wish::new(0, request, stretch, 0);
             let paths = self.shared.store.recordings().live(&run.id);
             let (_, stage) = paths.open().ok()??;
             Some(RecordingSummary {
                 name: "live".to_owned(),
-                ..summary(&wish, stage.into(), None, paths.bytes())
+                ..summary(&wish, live_state(run, stage), None, paths.bytes())
             })
         });
         let wishes = all(&directory).into_iter();
@@ -231,7 +256,7 @@ impl Maker {
         state
             .waiting
             .retain(|(other, task)| (other.as_str(), *task) != (run, Task::Record(wish.number)));
-        let is_active = |state: &State| {
+        let is_active = |state: &Todo| {
             let active = state.active.as_ref();
             active.is_some_and(|active| active.is(run, Task::Record(wish.number)))
         };
@@ -250,22 +275,27 @@ impl Maker {
     /// Why a run did what it did; asks for it where that is not known.
     ///
     /// # Errors
-    /// When too much waits.
-    pub fn explained(&self, run: &str) -> Result<Explained, AskError> {
-        let directory = self.shared.store.recordings().of(run);
+    /// When the run is not done or cannot be stepped again, or too much waits.
+    pub fn explained(&self, run: &RunView, spec: &ResolvedRun) -> Result<Explained, AskError> {
+        let (life, id) = (run.state.state(), run.id.as_str());
+        let directory = self.shared.store.recordings().of(id);
         if let Some(known) = known_explanation(&directory) {
             return Ok(match known {
                 Ok(explanation) => Explained::Known(Box::new(explanation)),
                 Err(reason) => Explained::Failed(reason),
             });
         }
+        can_be_repeated(run, spec)?;
+        if life != State::Done {
+            return Err(AskError::NotDone(life));
+        }
         let mut state = self.shared.state();
         if let Some(active) = &state.active
-            && active.is(run, Task::Explain)
+            && active.is(id, Task::Explain)
         {
             return Ok(Explained::Pending(active.progress()));
         }
-        let task = (run.to_owned(), Task::Explain);
+        let task = (id.to_owned(), Task::Explain);
         if !state.waiting.contains(&task) {
             if state.waiting.len() >= MOST_WAITING {
                 return Err(AskError::TooManyWait);
@@ -276,6 +306,26 @@ impl Maker {
             self.shared.changed.notify_all();
         }
         Ok(Explained::Pending(0.0))
+    }
+
+    /// Explains a run when nothing else is to be made, if it is not explained yet and takes no more
+    /// than so many robot-steps.
+    pub fn explain_later(&self, run: &RunView, spec: &ResolvedRun, most_robot_steps: u64) {
+        let directory = self.shared.store.recordings().of(&run.id);
+        if run.state.state() != State::Done
+            || spec.robot_steps() > most_robot_steps
+            || can_be_repeated(run, spec).is_err()
+            || known_explanation(&directory).is_some()
+        {
+            return;
+        }
+        let mut state = self.shared.state();
+        let is_there = state.later.contains(&run.id);
+        if !is_there && state.later.len() < MOST_WAITING {
+            state.later.push_back(run.id.clone());
+            drop(state);
+            self.shared.changed.notify_all();
+        }
     }
 
     /// Ends the thread; what it was at is made anew by the next process.
@@ -300,7 +350,7 @@ impl Maker {
 }
 
 impl Active {
-    fn is(&self, run: &str, task: Task) -> bool {
+    pub fn is(&self, run: &str, task: Task) -> bool {
         self.run == run && self.task == task
     }
 
@@ -314,6 +364,38 @@ impl Active {
 impl Drop for Maker {
     fn drop(&mut self) {
         self.shut_down();
+    }
+}
+
+/// Whether a run can be stepped again.
+fn can_be_repeated(run: &RunView, spec: &ResolvedRun) -> Result<(), AskError> {
+    if spec.method() == Method::External {
+        return Err(AskError::NotRepeatable(NOT_STEPPED_AGAIN));
+    }
+    if run.results_version != swarm::RESULTS_VERSION {
+        return Err(AskError::NotRepeatable(
+            "the run is of another version of results: this one would step another run",
+        ));
+    }
+    Ok(())
+}
+
+/// How much room there is for `whose` recordings.
+fn left(whose: &str, most_bytes: u64, bytes: u64) -> String {
+    let mib = |bytes: u64| bytes as f64 / f64::from(1 << 20);
+    format!(
+        "that are left: recordings of {whose} may take {:.1} MiB and take {:.1} MiB",
+        mib(most_bytes),
+        mib(bytes)
+    )
+}
+
+/// How far what a run records of itself has come.
+pub fn live_state(run: &RunView, stage: Stage) -> RecordingState {
+    match (stage, run.state.state().is_final()) {
+        // It failed, or was cancelled.
+        (Stage::Part, true) => RecordingState::Cut,
+        _ => stage.into(),
     }
 }
 
@@ -353,8 +435,7 @@ fn left_over(store: &Store) -> VecDeque<(String, Task)> {
     for run in store.recordings().runs() {
         let directory = store.recordings().of(&run);
         for wish in all(&directory) {
-            let paths = wish.paths(&directory);
-            if wish.reason.is_none() && !paths.whole.exists() && !paths.cut.exists() {
+            if !wish.has_ended(&directory) {
                 left.push((wish.asked_ms, run.clone(), wish.number));
             }
         }
@@ -365,54 +446,9 @@ fn left_over(store: &Store) -> VecDeque<(String, Task)> {
         .collect()
 }
 
-/// Tells how many steps are done.
-struct Meter(Arc<[AtomicU64; 2]>, u64);
-
-impl Observer for Meter {
-    fn after_block(&mut self, run: &Run, _: &Progress) -> Result<(), Stop> {
-        self.0[0].store(run.step().saturating_sub(self.1), Ordering::Relaxed);
-        Ok(())
-    }
-}
-
 impl Shared {
-    fn state(&self) -> MutexGuard<'_, State> {
+    pub fn state(&self) -> MutexGuard<'_, Todo> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn work(&self) {
-        let mut tidied: Option<Instant> = None;
-        loop {
-            if tidied.is_none_or(|last| last.elapsed() >= TIDY) {
-                self.tidy();
-                tidied = Some(Instant::now());
-            }
-            let mut state = self.state();
-            if state.stopping {
-                return;
-            }
-            let Some((run, task)) = state.waiting.pop_front() else {
-                drop(self.changed.wait_timeout(state, TIDY));
-                continue;
-            };
-            let active = Active {
-                run,
-                task,
-                stop: Arc::default(),
-                steps: Arc::default(),
-            };
-            state.active = Some(active.clone());
-            drop(state);
-            let made =
-                std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| self.make(&active)));
-            let made = made.unwrap_or_else(|_| Err("the simulation panicked".to_owned()));
-            if let Err(why) = made {
-                self.give_up(&active, why);
-            }
-            self.state().active = None;
-            self.changed.notify_all();
-            tidied = None;
-        }
     }
 
     /// The first whole epoch of a run, where it goes on from the state of another.
@@ -421,140 +457,41 @@ impl Shared {
         Ok(origin.as_ref().map_or(0, first_whole_epoch))
     }
 
-    /// The run at the latest moment at or before a step that it can be taken up from.
-    fn run_before(
-        &self,
-        id: &str,
-        spec: &ResolvedRun,
-        directory: &Path,
-        step: u64,
-    ) -> Result<Run, String> {
-        if let Some(snapshot) = nearest(directory, step)
-            && let Ok(run) = Run::restore(spec.run_spec(), &snapshot)
-        {
-            return Ok(run);
-        }
-        self.at_beginning(id, spec)
-    }
-
-    /// The run where it begins.
-    fn at_beginning(&self, id: &str, spec: &ResolvedRun) -> Result<Run, String> {
-        if let Some(run) = begin_at_origin(&self.store, id, spec)? {
-            return Ok(run);
-        }
-        Run::new(spec.run_spec()).map_err(|errors| {
-            let errors: Vec<String> = errors.iter().map(|error| error.message.clone()).collect();
-            errors.join("; ")
-        })
-    }
-
-    fn tidy(&self) {
+    /// Bytes of the recordings of the fullest job that has a run.
+    fn bytes_of_jobs(&self, run: RunKey) -> u64 {
+        let jobs = self.store.jobs_with(run).unwrap_or_default();
+        let by_job = self.runs_by_job();
+        let of_job = |job| by_job.get(job).into_iter().flatten();
         let recordings = self.store.recordings();
-        sweep(recordings, |run| !matches!(self.store.run(run), Ok(None)));
-        keep_within(recordings, self.settings.most_bytes);
+        let bytes = |job| of_job(job).map(|run| bytes_of(&recordings.of(run))).sum();
+        jobs.iter().map(bytes).max().unwrap_or(0)
     }
 
-    fn give_up(&self, active: &Active, why: String) {
-        tracing::warn!(run = active.run, why, "no recording or explanation");
-        let directory = self.store.recordings().of(&active.run);
-        let Task::Record(number) = active.task else {
-            keep_explanation(&directory, &Err(why));
-            return;
-        };
-        let wish = all(&directory);
-        if let Some(mut wish) = wish.into_iter().find(|wish| wish.number == number) {
-            wish.reason = Some(why);
-            if let Err(error) = wish.write(&directory) {
-                tracing::warn!(%error, "the reason cannot be kept");
+    /// The runs that have recordings, by their jobs.
+    pub fn runs_by_job(&self) -> BTreeMap<JobKey, Vec<String>> {
+        let mut by_job: BTreeMap<JobKey, Vec<String>> = BTreeMap::new();
+        for id in self.store.recordings().runs() {
+            // One that cannot be read counts in all alone.
+            let Ok(Some(run)) = self.store.run(&id) else {
+                continue;
+            };
+            for job in self.store.jobs_with(run.seq).unwrap_or_default() {
+                by_job.entry(job).or_default().push(id.clone());
             }
         }
+        by_job
     }
 
-    /// Makes one recording.
-    fn make(&self, active: &Active) -> Result<(), String> {
-        let view = self.store.run(&active.run).map_err(|e| e.to_string())?;
-        let Some(view) = view else { return Ok(()) };
-        let directory = self.store.recordings().of(&active.run);
-        let spec = (self.spec_of)(&view)?;
-        if view.results_version != swarm::RESULTS_VERSION {
-            return Err("the run is of another version of results".to_owned());
+    /// About how many bytes a run is still to record of itself.
+    fn still_to_come(&self, run: &RunView, spec: &ResolvedRun) -> u64 {
+        if run.state.state().is_final() {
+            return 0;
         }
-        let Task::Record(number) = active.task else {
-            return self.explain(active, &directory, &spec);
-        };
-        let wishes = all(&directory);
-        let Some(wish) = wishes.iter().find(|wish| wish.number == number) else {
-            return Ok(());
-        };
-        let asked = asked_recording(&wish.document(), &spec.run_spec(), 0);
-        let (request, stretch) = asked.map_err(|errors| format!("{errors:?}"))?;
-        self.simulate(active, &directory, wish, &spec, (&request, stretch))
-    }
-
-    /// Explains a run.
-    fn explain(&self, active: &Active, directory: &Path, spec: &ResolvedRun) -> Result<(), String> {
-        let robots = u64::from(spec.run_spec().robots).max(1);
-        active.steps[1].store(spec.robot_steps() / robots, Ordering::Relaxed);
-        let stop = || active.stop.load(Ordering::Relaxed);
-        let mut meter = Meter(Arc::clone(&active.steps), 0);
-        let run = self.at_beginning(&active.run, spec)?;
-        match explain(run, &stop, &mut meter) {
-            Ok(explanation) => {
-                keep_explanation(directory, &Ok(explanation));
-                Ok(())
-            }
-            Err(ExplainError::Stopped) => Ok(()),
-            Err(ExplainError::Failed(reason)) => Err(reason),
-        }
-    }
-
-    fn simulate(
-        &self,
-        active: &Active,
-        directory: &Path,
-        wish: &Wish,
-        spec: &ResolvedRun,
-        (request, stretch): (&RecordRequest, Stretch),
-    ) -> Result<(), String> {
-        let steps = u64::from(spec.run_spec().steps_per_epoch);
-        let [from, to] = [0, stretch.epochs].map(|e| (stretch.from_epoch + e) * steps);
-        let mut run = self.run_before(&active.run, spec, directory, from)?;
-        if run.step() > from {
-            return Err("the run goes on from the state of another, later than that".to_owned());
-        }
-        let begun = run.step();
-        active.steps[1].store(to - begun, Ordering::Relaxed);
-        let stop = || active.stop.load(Ordering::Relaxed);
-        let mut memory = MemoryBound::new(self.settings.run_memory_bytes);
-        let mut meter = Meter(Arc::clone(&active.steps), begun);
-        let ended = runner::step(
-            &mut run,
-            &stop,
-            &mut [&mut memory, &mut meter, &mut PauseAt(from)],
-        );
-        if let runner::Ended::Failed(reason) = ended {
-            return Err(reason);
-        }
-        if stop() {
-            return Ok(());
-        }
-        let paths = wish.paths(directory);
-        let header = header(spec, request, stretch);
-        let recorder = Recorder::open(header, &paths, &run, MOST_RECORDING_BYTES);
-        let mut recorder = SharedRecorder::new(Some(recorder.map_err(|e| e.to_string())?));
-        let ended = runner::step(
-            &mut run,
-            &stop,
-            &mut [&mut memory, &mut meter, &mut PauseAt(to), &mut recorder],
-        );
-        if let runner::Ended::Failed(reason) = ended {
-            return Err(reason);
-        }
-        if stop() {
-            drop(recorder.take());
-            paths.remove();
-            return Ok(());
-        }
-        super::start::finish(&recorder)
+        let run_spec = spec.run_spec();
+        let epochs = Stretch::whole(&run_spec).epochs;
+        let about = spec
+            .record()
+            .map_or(0, |r| r.about_bytes(&run_spec, epochs));
+        about.saturating_sub(self.store.recordings().live(&run.id).bytes())
     }
 }

@@ -4,7 +4,9 @@
 mod explained;
 mod film;
 mod kept;
+mod limits;
 mod maker;
+mod making;
 mod mcap_file;
 mod open;
 mod origin;
@@ -21,13 +23,15 @@ mod subject;
 mod tests;
 mod wish;
 
+pub use explained::known_explanation;
 pub use film::Film;
 pub use kept::Keeper;
-pub use maker::{AskError, Explained, Maker, Settings};
+pub use limits::Limits;
+pub use maker::{AskError, Explained, Maker, Settings, live_state};
 pub use mcap_file::write_mcap;
 pub use open::OpenError;
 pub use origin::{begin_at_origin, first_whole_epoch};
-pub use paths::{Paths, Stage};
+pub use paths::{Paths, Stage, remove};
 pub use play::{View, lines};
 pub use recorder::{Recorder, SharedRecorder, Tail};
 pub use rows::write_rows;

@@ -59,7 +59,7 @@ pub fn open(header: &Header, paths: &Paths, place: Place) -> Result<Opened, Open
     if next == samples.start {
         return begin(header, &layout, paths);
     }
-    if paths.cut.exists() {
+    if paths.given_up.exists() || paths.cut.exists() {
         return Err(OpenError::GivenUp);
     }
     go_on(header, &layout, paths, next)
@@ -91,7 +91,7 @@ fn begin(header: &Header, layout: &Layout, paths: &Paths) -> Result<Opened, Open
 
 fn go_on(header: &Header, layout: &Layout, paths: &Paths, next: u64) -> Result<Opened, OpenError> {
     let mut reader = match OpenOptions::new().read(true).write(true).open(&paths.part) {
-        Ok(file) => Reader::open(file).map_err(|_| OpenError::Short)?,
+        Ok(file) => Reader::open_checked(file).map_err(|_| OpenError::Short)?,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Err(OpenError::Short),
         Err(error) => return Err(error.into()),
     };
@@ -108,7 +108,7 @@ fn go_on(header: &Header, layout: &Layout, paths: &Paths, next: u64) -> Result<O
         empty_block(header, layout, next)
     } else {
         let samples = if there.end >= next {
-            reader.block(next - 1)?
+            reader.block(next - 1).map_err(|_| OpenError::Short)?
         } else if there.end == block_start {
             tail(&reader, &paths.tail)?
         } else {

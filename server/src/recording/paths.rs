@@ -15,6 +15,8 @@ pub struct Paths {
     pub tail: PathBuf,
     /// What there is of one that was given up.
     pub cut: PathBuf,
+    /// There where it was given up, also when what there was of it has made room.
+    pub given_up: PathBuf,
 }
 
 /// How far a recording has come.
@@ -37,11 +39,19 @@ impl Paths {
             part: path(".part"),
             tail: path(".tail"),
             cut: path(".cut"),
+            given_up: path(".given-up"),
         }
     }
 
     /// Removes what there is.
     pub fn remove(&self) {
+        self.remove_bytes();
+        remove(&self.given_up);
+    }
+
+    /// Removes what can be read, and what would be gone on with. One that was given up stays so: a
+    /// run that is under way does not begin again for it.
+    pub fn remove_bytes(&self) {
         for path in [&self.whole, &self.part, &self.tail, &self.cut] {
             remove(path);
         }

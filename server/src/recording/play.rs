@@ -1,5 +1,10 @@
 //! A moment of a recording as text: the arena in characters, robots as arrows.
 
+#![allow(
+    clippy::let_underscore_must_use,
+    reason = "writing to a string cannot fail"
+)]
+
 use std::fmt::Write;
 
 use recording::{Header, Samples};
@@ -91,32 +96,31 @@ impl View {
 pub fn lines(header: &Header, block: &Samples, at: usize, most: usize) -> String {
     let mut text = String::new();
     for row in 0..block.rows.min(most) {
-        // Writing to a string cannot fail.
-        drop(write!(text, "robot {}", header.robots.number(row)));
+        let _ = write!(text, "robot {}", header.robots.number(row));
         if header.fields.pose {
             let [x_m, y_m, heading_rad] = block.pose(row, at);
-            drop(write!(
+            let _ = write!(
                 text,
                 "  at ({x_m:.4}, {y_m:.4}) m, heading {heading_rad:.3} rad"
-            ));
+            );
         }
         if header.fields.command {
             let [left, right] = block.command(row, at);
-            drop(write!(text, "  wheels {left:+.3} {right:+.3}"));
+            let _ = write!(text, "  wheels {left:+.3} {right:+.3}");
         }
         if header.fields.decision {
             let decision = block.decision(row, at);
             if let (Some(state), Some(action)) = (decision.state, decision.action) {
-                drop(write!(text, "  state {state}, action {action}"));
+                let _ = write!(text, "  state {state}, action {action}");
             }
         }
         if header.fields.sensors {
-            drop(write!(text, "  sensors {:?}", block.sensors(row, at)));
+            let _ = write!(text, "  sensors {:?}", block.sensors(row, at));
         }
         text.push('\n');
     }
     if block.rows > most {
-        drop(writeln!(text, "and {} robots more", block.rows - most));
+        let _ = writeln!(text, "and {} robots more", block.rows - most);
     }
     text
 }

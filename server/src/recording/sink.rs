@@ -177,6 +177,9 @@ impl Work {
             let path = self.paths.part.display();
             tracing::warn!(%path, %error, "a cut recording cannot be renamed");
         }
+        if let Err(error) = File::create(&self.paths.given_up) {
+            tracing::warn!(%error, "that a recording was given up cannot be kept");
+        }
         remove(&self.paths.tail);
         self.shared.fail(why);
     }

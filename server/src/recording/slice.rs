@@ -196,7 +196,13 @@ pub fn slice<F: Read + Seek>(
     let (mut block, mut blocks) = (Samples::default(), 0);
     let moments = Moments::new(&header, &layout, from, every);
     let there = reader.samples();
-    for sample in moments {
+    // The very end stands at the step at which another epoch would begin.
+    let last = there.end.checked_sub(1).filter(|_| !there.is_empty());
+    let end_alone = last.filter(|last| {
+        let place = layout.place(*last);
+        place.step == header.steps_per_epoch && step_of(&header, place) == from
+    });
+    for sample in end_alone.into_iter().chain(moments) {
         let place = layout.place(sample);
         let step = step_of(&header, place);
         if step >= end || sample >= there.end {

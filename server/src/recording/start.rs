@@ -7,7 +7,6 @@ use swarm::run::Run;
 use super::open::OpenError;
 use super::paths::Paths;
 use super::recorder::{Recorder, SharedRecorder};
-use crate::documents::MOST_RECORDING_BYTES;
 
 /// A run that is recorded.
 pub struct Begun {
@@ -17,7 +16,7 @@ pub struct Begun {
     pub recorder: SharedRecorder,
 }
 
-/// Records a run from where it stands. `again` makes the run anew, for one that stands further on
+/// Records a run from where it stands, in at most so many bytes. `again` makes the run anew, for one that stands further on
 /// than its recording.
 ///
 /// # Errors
@@ -26,6 +25,7 @@ pub fn begin<E>(
     run: Run,
     header: Header,
     paths: &Paths,
+    most_bytes: u64,
     again: impl FnOnce() -> Result<Run, E>,
 ) -> Result<Begun, E> {
     let nobody = |run| {
@@ -35,12 +35,11 @@ pub fn begin<E>(
     if paths.whole.exists() {
         return nobody(run);
     }
-    let most = MOST_RECORDING_BYTES;
-    let (run, opened) = match Recorder::open(header.clone(), paths, &run, most) {
+    let (run, opened) = match Recorder::open(header.clone(), paths, &run, most_bytes) {
         Err(error @ OpenError::Short) => {
             tracing::warn!("{error}: it starts again");
             let run = again()?;
-            let opened = Recorder::open(header, paths, &run, most);
+            let opened = Recorder::open(header, paths, &run, most_bytes);
             (run, opened)
         }
         opened => (run, opened),

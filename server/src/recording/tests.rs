@@ -268,4 +268,14 @@ fn a_recording_that_is_too_large_is_cut_and_the_run_goes_on() {
     run.advance(100);
     let again = Recorder::open(header_of(&spec), &paths, &run, 300_000);
     assert!(matches!(again, Err(OpenError::GivenUp)));
+    // Not even where what there was of it has made room.
+    paths.remove_bytes();
+    assert!(paths.open().unwrap().is_none());
+    let again = Recorder::open(header_of(&spec), &paths, &run, 300_000);
+    assert!(matches!(again, Err(OpenError::GivenUp)));
+    // From its beginning it is.
+    let run = Run::new(spec.run_spec()).unwrap();
+    let begun = recorder(&spec, &paths, &run);
+    assert!(begun.tail().is_some() && paths.part.exists() && !paths.given_up.exists());
+    drop(begun.take());
 }

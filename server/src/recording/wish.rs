@@ -28,13 +28,16 @@ pub struct Wish {
     pub robots: Value,
     /// As in a spec.
     pub fields: Vec<String>,
+    /// About how many bytes it takes.
+    #[serde(default)]
+    pub about_bytes: u64,
     /// Why it was given up.
     pub reason: Option<String>,
 }
 
 impl Wish {
     /// Of what is asked for of a run.
-    pub fn new(number: u64, request: &RecordRequest, stretch: Stretch) -> Self {
+    pub fn new(number: u64, request: &RecordRequest, stretch: Stretch, about_bytes: u64) -> Self {
         let shown = RecordRequest::shown(Some(request));
         let since = std::time::UNIX_EPOCH.elapsed();
         Self {
@@ -45,6 +48,7 @@ impl Wish {
             every_steps: request.every_steps,
             robots: shown.robots.unwrap_or_default(),
             fields: shown.fields.unwrap_or_default(),
+            about_bytes,
             reason: None,
         }
     }
@@ -61,6 +65,12 @@ impl Wish {
             (from_epoch, epochs, every_steps)
         };
         asked(self) == asked(other) && self.robots == other.robots && self.fields == other.fields
+    }
+
+    /// Whether nothing more is to be made of it.
+    pub fn has_ended(&self, directory: &Path) -> bool {
+        let paths = self.paths(directory);
+        self.reason.is_some() || paths.whole.exists() || paths.cut.exists()
     }
 
     /// As it was posted.

@@ -48,7 +48,7 @@ pub fn attempt(
         Err(errors) => return Ended::Failed(spec_failure(errors)),
     };
     let opened = open(store, claimed, &resolved);
-    let begun = opened.and_then(|run| recorded(store, claimed, &resolved, run));
+    let begun = opened.and_then(|run| recorded(store, config, claimed, &resolved, run));
     let (mut run, recorder) = match begun {
         Ok(Begun { run, recorder }) => (run, recorder),
         Err(reason) => return Ended::Failed(reason),
@@ -264,6 +264,7 @@ fn anew(store: &Store, claimed: &ClaimedRun, resolved: &ResolvedRun) -> Result<R
 /// The run with whoever records it, if its spec asks for that.
 fn recorded(
     store: &Store,
+    config: &SchedulerConfig,
     claimed: &ClaimedRun,
     resolved: &ResolvedRun,
     run: Run,
@@ -289,7 +290,10 @@ fn recorded(
         store.recordings().live(id),
         header(resolved, request, stretch),
     );
-    begin(run, header, &paths, || anew(store, claimed, resolved))
+    let most_bytes = config.recordings.of_one();
+    begin(run, header, &paths, most_bytes, || {
+        anew(store, claimed, resolved)
+    })
 }
 
 fn warn_discarded(id: &str, error: &dyn std::fmt::Display) {

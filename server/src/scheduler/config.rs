@@ -3,9 +3,7 @@
 use std::num::{NonZeroU32, NonZeroUsize};
 
 use crate::channels::ChannelSettings;
-
-/// Most bytes of all recordings together, unless it is said otherwise.
-pub const RECORDINGS_BYTES: u64 = 16 << 30;
+use crate::recording::Limits;
 
 /// How a scheduler works.
 #[derive(Clone, Debug)]
@@ -18,8 +16,8 @@ pub struct SchedulerConfig {
     pub run_memory_bytes: u64,
     /// Epochs of an arena after which a checkpoint of each run is kept for later recordings.
     pub keep_every_epochs: Option<NonZeroU32>,
-    /// Most bytes of all recordings together.
-    pub recordings_bytes: u64,
+    /// Most bytes of recordings.
+    pub recordings: Limits,
     /// Where runs that ask for it show their frames.
     pub channels: ChannelSettings,
 }

@@ -64,6 +64,8 @@ impl Scheduler {
         }
         let longer = with_more_seeds(&document, more);
         let expanded = expand(&longer, &StoredArenas::new(store)).map_err(ControlError::Invalid)?;
+        let limits = &self.shared.config.recordings;
+        (limits.check_job(&expanded.runs)).map_err(ControlError::Invalid)?;
         let request = JobRequest::of_document(longer.to_string().as_bytes(), None);
         let longer = new_job(expanded, request);
         let added = store.extend_job(job.seq, &longer, self.shared.config.unfinished_limit)?;
@@ -102,6 +104,8 @@ impl Scheduler {
         });
         let expanded =
             expand(&document, &StoredArenas::new(store)).map_err(ControlError::Invalid)?;
+        let limits = &self.shared.config.recordings;
+        (limits.check_job(&expanded.runs)).map_err(ControlError::Invalid)?;
         let request = JobRequest::of_document(document.to_string().as_bytes(), None);
         let goes_on = (expanded.runs.iter()).any(|longer| self.go_on_from_the_end(run, longer));
         let longer = new_job(expanded, request);

@@ -157,6 +157,8 @@ impl Scheduler {
                 ..Design::default()
             }],
         };
+        let limits = &self.shared.config.recordings;
+        (limits.check_job(&expanded.runs)).map_err(ControlError::Invalid)?;
         let mut job: NewJob = new_job(expanded, request);
         for run in &mut job.runs {
             run.id.clone_from(&id);

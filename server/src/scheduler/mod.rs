@@ -25,7 +25,7 @@ mod tests;
 mod workers;
 
 pub use arenas::StoredArenas;
-pub use config::{RECORDINGS_BYTES, SchedulerConfig};
+pub use config::SchedulerConfig;
 pub use control_error::ControlError;
 pub use counters::Counters;
 pub use live::{View, findings_of};

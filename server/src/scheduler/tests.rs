@@ -24,7 +24,7 @@ pub fn start(dir: &Path, workers: usize) -> (Arc<Store>, Scheduler) {
         unfinished_limit: 100,
         run_memory_bytes: 64 << 20,
         keep_every_epochs: None,
-        recordings_bytes: crate::scheduler::RECORDINGS_BYTES,
+        recordings: crate::recording::Limits::DEFAULT,
         channels: ChannelSettings::default(),
     };
     let scheduler = Scheduler::start(Arc::clone(&store), config).unwrap();

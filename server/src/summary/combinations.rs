@@ -11,6 +11,8 @@ use crate::statistics::{Interval, LEVEL};
 /// A finished run of a job.
 #[derive(Clone, Debug)]
 pub struct FinishedRun {
+    /// Hash of its spec, in hex.
+    pub id: String,
     /// Place in the job.
     pub place: u64,
     /// Seed.
@@ -35,6 +37,15 @@ impl From<Interval> for api::summary::Interval {
     }
 }
 
+/// Why a run did what it did, in short.
+#[derive(Clone, Debug)]
+pub struct Told {
+    /// Whether that is odd.
+    pub is_odd: bool,
+    /// In words.
+    pub sentence: String,
+}
+
 /// What is summed up.
 #[derive(Clone, Debug)]
 pub struct Input {
@@ -52,6 +63,8 @@ pub struct Input {
     pub robots: Vec<u32>,
     /// The runs that are done, in order.
     pub finished: Vec<FinishedRun>,
+    /// By their places, what is known of why they did what they did.
+    pub told: BTreeMap<u64, Told>,
 }
 
 /// A combination with its finished runs.

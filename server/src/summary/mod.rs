@@ -6,6 +6,7 @@ pub mod comparison;
 pub mod curves;
 mod escape;
 mod groups;
+mod odd;
 mod scaling;
 mod sharing;
 mod table;
@@ -15,7 +16,7 @@ mod tests;
 use api::{JobSummary, SCHEMA};
 
 use combinations::{Combination, alike, axis_of, combinations, values};
-pub use combinations::{FinishedRun, FirstEntries, Input};
+pub use combinations::{FinishedRun, FirstEntries, Input, Told};
 pub use table::{csv, markdown};
 
 /// The summary of a job. `first_entries` gives them for the run at a place.
@@ -29,6 +30,7 @@ pub fn summary(
         name: input.name.clone(),
         runs: input.runs,
         runs_done: input.finished.len() as u64,
+        odd_runs: Vec::new(),
         groups: Vec::new(),
         scaling: Vec::new(),
         sharing: Vec::new(),
@@ -42,11 +44,14 @@ pub fn summary(
             scaling::scaling(design, &combinations, &mut first_entries),
             sharing::sharing(design, &combinations),
         );
+        let odd = odd::odd_runs(labels, &combinations, |place| input.told.get(&place));
+        summary.odd_runs.extend(odd);
         summary
             .groups
             .extend(groups::groups(design, labels, &combinations));
         summary.scaling.extend(scaling);
         summary.sharing.extend(sharing);
     }
+    summary.odd_runs = odd::in_order(summary.odd_runs);
     summary
 }

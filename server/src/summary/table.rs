@@ -66,6 +66,7 @@ pub fn markdown(summary: &JobSummary) -> String {
         summary.runs_done,
         summary.runs
     );
+    odd_runs(&mut text, summary);
     let head = [
         "group",
         "n",
@@ -142,6 +143,33 @@ pub fn markdown(summary: &JobSummary) -> String {
         let _ = writeln!(text, "\n{}.", sharing.verdict);
     }
     text
+}
+
+/// Runs that stand out, a line each.
+fn odd_runs(text: &mut String, summary: &JobSummary) {
+    if summary.odd_runs.is_empty() {
+        return;
+    }
+    let _ = writeln!(text, "Runs that stand out:\n");
+    for run in &summary.odd_runs {
+        let id: String = run.run_id.chars().take(12).collect();
+        let label = match run.label.as_str() {
+            "" => String::new(),
+            label => format!(" {}", escaped(label)),
+        };
+        let _ = write!(
+            text,
+            "- {id}{label} seed {}: p1 {}, the median of its group is {}",
+            run.seed,
+            run.p1,
+            short(Some(run.median_p1), 4)
+        );
+        let _ = match &run.explanation {
+            Some(why) => writeln!(text, ". {why}"),
+            None => writeln!(text, "; `evswarm explain {}` says why", run.run_id),
+        };
+    }
+    text.push('\n');
 }
 
 fn row(group: &Group) -> Vec<String> {

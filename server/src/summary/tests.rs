@@ -9,6 +9,7 @@ use crate::documents::{Design, DesignAxis};
 
 pub fn finished(place: u64, seed: u64, t90: Option<u64>, mean_coverage: f64) -> FinishedRun {
     FinishedRun {
+        id: format!("run {place}"),
         place,
         seed,
         result: RunResult {
@@ -63,6 +64,7 @@ pub fn input(seeds: usize, axes: Vec<DesignAxis>, finished: Vec<FinishedRun>) ->
         labels: Vec::new(),
         robots: vec![1],
         finished,
+        told: std::collections::BTreeMap::new(),
     }
 }
 
@@ -260,4 +262,49 @@ fn sharing_is_judged_by_pairs_of_equal_seed() {
     let told = summary(&input(3, axes, runs), |_| None);
     assert_eq!(told.sharing[0].points[1].verdict, "too few seeds");
     assert!(told.sharing[0].verdict.starts_with("no N"));
+}
+
+#[test]
+fn runs_that_stand_out_are_listed_the_least_first() {
+    let squares = [50, 52, 4, 49, 51, 50, 95, 48, 52, 50];
+    let mut runs = Vec::new();
+    for (place, p1) in squares.into_iter().enumerate() {
+        let mut run = finished(place as u64, place as u64, None, 0.5);
+        run.result.p1 = p1;
+        runs.push(run);
+    }
+    let mut job = input(10, Vec::new(), runs);
+    job.labels = vec!["all of them".to_owned()];
+    let told = |is_odd| Told {
+        is_odd,
+        sentence: "It stood.".to_owned(),
+    };
+    job.told = [(2, told(true)), (4, told(false)), (5, told(true))].into();
+    let odd = summary(&job, |_| None).odd_runs;
+    let listed: Vec<(u64, bool, bool)> = odd
+        .iter()
+        .map(|run| (run.index, run.is_outlier, run.explanation.is_some()))
+        .collect();
+    // Place 4 was explained and is not odd; place 5 covered what the others did.
+    assert_eq!(
+        listed,
+        [(2, true, true), (5, false, true), (6, true, false)]
+    );
+    assert_eq!(
+        (odd[0].median_p1, odd[0].label.as_str()),
+        (50.0, "all of them")
+    );
+    assert_eq!(odd[0].run_id, "run 2");
+    // Distances from the median: 0 0 0 1 1 2 2 2 45 46, of which the median is 1.5.
+    assert!((odd[0].score.unwrap() - 0.6745 * -46.0 / 1.5).abs() < 1e-12);
+    let text = markdown(&summary(&job, |_| None));
+    let (first, table) = (
+        text.find("stand out").unwrap(),
+        text.find("| group").unwrap(),
+    );
+    assert!(first < table && text.contains("It stood."), "{text}");
+    // Of four runs it cannot be said.
+    let mut few = input(4, Vec::new(), job.finished[..4].to_vec());
+    few.told.clear();
+    assert!(summary(&few, |_| None).odd_runs.is_empty());
 }

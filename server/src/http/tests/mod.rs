@@ -72,7 +72,7 @@ impl Service {
             unfinished_limit: 10,
             run_memory_bytes: 1 << 30,
             keep_every_epochs: None,
-            recordings_bytes: crate::scheduler::RECORDINGS_BYTES,
+            recordings: crate::recording::Limits::DEFAULT,
             channels: ChannelSettings::default(),
         };
         let scheduler = Arc::new(Scheduler::start(Arc::clone(&store), config).unwrap());
