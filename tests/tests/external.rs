@@ -7,6 +7,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 use api::controller::Controller;
+use api::recording::{RecordingSlice, RecordingState};
 use api::{Job, State};
 use serde_json::{Value, json};
 use tests::http::Client;
@@ -170,4 +171,46 @@ fn a_slow_controller_is_waited_for_until_its_deadline_and_tried_again() {
         let has = |what| log.contains(what);
         (has("did not answer within 20 ms") && has("its controllers are there")).then_some(())
     });
+}
+
+#[test]
+fn a_run_that_is_steered_from_outside_records_itself_and_nothing_else_does() {
+    let home = tempfile::tempdir().unwrap();
+    let server = Server::start(home.path());
+    let with_recording = |method: Value| {
+        let mut job = spec(method);
+        job["base"]["record"] = json!({ "every_steps": 4 });
+        job
+    };
+    let built_in = server.submit(&with_recording(json!({ "method": "braitenberg" })));
+    server.wait_for(&built_in);
+    let method = json!({ "method": "external", "deadline_ms": 20_000 });
+    let job = server.submit(&with_recording(method));
+    let run = server.only_run(&job).id;
+    let _steering = Steering::start(home.path(), &run, 0);
+    server.wait_for(&job);
+    let slice = |run: &str| -> RecordingSlice {
+        server.read(&format!("/v1/runs/{run}/recording.json?every=100"))
+    };
+    let (steered, other) = (slice(&run), slice(&server.only_run(&built_in).id));
+    assert_eq!(steered.recording.state, RecordingState::Done);
+    assert_eq!(steered.step, other.step);
+    for (a, b) in steered.robots.iter().zip(&other.robots) {
+        assert_eq!((&a.poses, &a.left, &a.right), (&b.poses, &b.left, &b.right));
+    }
+    let recordings = format!("/v1/runs/{run}/recordings");
+    let asked = server.post(&recordings, &json!({ "epochs": 1 }));
+    let explained = server.get(&format!("/v1/runs/{run}/explain"));
+    for answer in [asked, explained] {
+        let problem = answer.problem(409);
+        assert_eq!(problem.code, "not-repeatable");
+        assert!(problem.detail.unwrap().contains("say `record` in the spec"));
+    }
+    // What was never recorded is said to be so for good.
+    let plain = server.submit(&spec(json!({ "method": "external" })));
+    let plain = server.only_run(&plain).id;
+    let missing = server
+        .get(&format!("/v1/runs/{plain}/recording"))
+        .problem(404);
+    assert!(missing.detail.unwrap().contains("say `record` in the spec"));
 }

@@ -109,6 +109,91 @@ fn every_code_says_what_it_means() {
 }
 
 #[test]
+fn recordings_that_cannot_be_made_are_refused() {
+    let home = tempfile::tempdir().unwrap();
+    let small = [
+        "--run-recordings-bytes",
+        "1000000",
+        "--job-recordings-bytes",
+        "3000000",
+    ];
+    let server = Server::start_with(home.path(), &small);
+    let mut steered = small_spec();
+    steered["controller"] = json!({ "method": "external" });
+    let steered = server.only_run(&server.submit(&job(steered, 1))).id;
+    let recordings = format!("/v1/runs/{steered}/recordings");
+    let explain = format!("/v1/runs/{steered}/explain");
+    for answer in [server.post(&recordings, &json!({})), server.get(&explain)] {
+        let what = "recording or explaining what a program outside steered";
+        let detail = answer.refused(what).detail.unwrap();
+        assert!(detail.contains("say `record` in the spec"), "{detail}");
+    }
+
+    let too_many = "more bytes of recordings than a run or a job may have";
+    let mut spec = small_spec();
+    spec["epochs"] = json!(1_000);
+    // About 9.5 bytes a sample: 1.8 MiB.
+    let recorded = |spec: &Value, every: u32| {
+        let mut spec = spec.clone();
+        spec["record"] = json!({ "every_steps": every });
+        spec
+    };
+    let posted = job(recorded(&spec, 1), 1);
+    for path in ["/v1/jobs", "/v1/checks/job"] {
+        let error = &server.post(path, &posted).refused(too_many).errors[0];
+        assert_eq!(error.pointer, "/base/record");
+        assert!(error.message.contains("1.8 MiB"), "{error}");
+        assert!(
+            error.allowed.contains("every_steps of at least 2"),
+            "{error}"
+        );
+    }
+    // Three runs fit into a job, as what is told says; a fourth does not, also not as an extension.
+    let error = &server
+        .post("/v1/jobs", &job(recorded(&spec, 2), 4))
+        .refused(too_many)
+        .errors[0];
+    assert!(error.allowed.contains("about 3 runs"), "{error}");
+    let fits = server.submit(&job(recorded(&spec, 2), 3));
+    server
+        .post(
+            &format!("/v1/jobs/{}/extend", fits.id),
+            &json!({ "seeds": 1 }),
+        )
+        .refused(too_many);
+    server.wait_for(&fits);
+
+    // Afterwards: what a run has counts.
+    let plain = server.submit(&job(spec, 1));
+    server.wait_for(&plain);
+    let run = server.only_run(&plain).id;
+    let recordings = format!("/v1/runs/{run}/recordings");
+    let error = &server
+        .post(&recordings, &json!({}))
+        .refused(too_many)
+        .errors[0];
+    assert!(
+        error.allowed.contains("every_steps of at least 2"),
+        "{error}"
+    );
+    let asked = json!({ "every_steps": 2 });
+    assert_eq!(server.post(&recordings, &asked).status, 201);
+    let more = json!({ "every_steps": 3 });
+    let error = &server.post(&recordings, &more).refused(too_many).errors[0];
+    assert!(
+        error.message.contains("recordings of the run may take"),
+        "{error}"
+    );
+    wait::until("the recording", || {
+        let list: Value = server.read(&recordings);
+        (list["items"][0]["state"] == "done").then_some(())
+    });
+    let made = format!("{recordings}/1");
+    assert_eq!(server.send("DELETE", &made, &[], b"").status, 204);
+    assert_eq!(server.post(&recordings, &more).status, 201);
+}
+
+#[test]
 fn what_contradicts_the_state_of_things_is_refused() {
     let home = tempfile::tempdir().unwrap();
     let server = Server::start(home.path());
@@ -123,7 +208,10 @@ fn what_contradicts_the_state_of_things_is_refused() {
     let run = server.only_run(&running).id;
     server
         .get(&format!("/v1/runs/{run}/result"))
-        .refused("the result of an unfinished run");
+        .refused("the result or the explanation of an unfinished run");
+    server
+        .get(&format!("/v1/runs/{run}/explain"))
+        .refused("the result or the explanation of an unfinished run");
     let retry = format!("/v1/jobs/{}/retry", running.id);
     server
         .send("POST", &retry, &[], b"")
