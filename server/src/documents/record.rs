@@ -9,12 +9,13 @@ use swarm::run::StagePlan;
 use super::domains::Whole;
 use super::fields::{Errors, Object, did_you_mean, join, kind, read_whole};
 
-/// Names of what is recorded of a robot, and about how many bytes each takes a sample.
+/// Names of what is recorded of a robot, and how many bytes each takes a sample at most, about: of
+/// robots that are given other commands at each step, and often touch things.
 pub(super) const FIELDS: [(&str, f64); 4] = [
-    ("pose", 1.0),
-    ("command", 1.5),
-    ("sensors", 6.0),
-    ("decision", 1.0),
+    ("pose", 5.0),
+    ("command", 3.0),
+    ("sensors", 10.0),
+    ("decision", 2.0),
 ];
 /// Steps between two samples of a run that records itself; 0 records nothing.
 pub(super) const EVERY_STEPS: Whole = Whole {

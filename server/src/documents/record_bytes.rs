@@ -9,7 +9,9 @@ use super::resolved::ResolvedRun;
 /// Most bytes of one recording, about which a spec is refused that would make a larger one.
 pub const MOST_RECORDING_BYTES: u64 = 4 << 30;
 /// About how many bytes an object takes a sample.
-const OBJECT_BYTES: f64 = 1.0;
+const OBJECT_BYTES: f64 = 2.0;
+/// Bytes of a pose that need not be kept where its command is known.
+const RECKONED_BYTES: f64 = 3.0;
 
 impl RecordRequest {
     /// About how many bytes it takes, every so many steps of so many robots.
@@ -17,6 +19,8 @@ impl RecordRequest {
         let samples = epochs.saturating_mul(1 + u64::from(spec.steps_per_epoch / every.max(1)));
         let fields = FIELDS.iter().zip(has(self.fields));
         let robot: f64 = fields.filter(|(_, has)| *has).map(|((_, b), _)| b).sum();
+        let is_reckoned = every == 1 && self.fields.pose && self.fields.command;
+        let robot = robot - if is_reckoned { RECKONED_BYTES } else { 0.0 };
         let objects = spec.arena.objects().len() as f64;
         samples as f64 * (robot * robots as f64 + OBJECT_BYTES * objects)
     }

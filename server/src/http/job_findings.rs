@@ -106,8 +106,13 @@ fn summarised(app: &App, job: &JobView) -> Result<JobSummary, Refusal> {
     let unknown = few.filter(|run| run.explanation.is_none() && run.score.is_some_and(|z| z < 0.0));
     if summary.runs_done == summary.runs {
         for odd in unknown {
-            let run = app.run(&odd.run_id)?;
-            let spec = app.findings.resolved(&run)?;
+            // One that is gone meanwhile needs no reason.
+            let Ok(run) = app.run(&odd.run_id) else {
+                continue;
+            };
+            let Ok(spec) = app.findings.resolved(&run) else {
+                continue;
+            };
             app.recordings.explain_later(&run, &spec, MOST_ROBOT_STEPS);
         }
     }

@@ -40,8 +40,8 @@ pub enum Domain {
         /// What it is when it is not given, where that is a number.
         default: Option<i64>,
     },
-    /// A text of 1 to [`MAX_TEXT_BYTES`] bytes.
-    Text,
+    /// A text of one byte to so many.
+    Text(usize),
     /// One of these words; the first unless another is given, where `true`.
     Word(&'static [&'static str], bool),
 }
@@ -61,12 +61,21 @@ impl Parameter {
 
     /// A parameter that is a text.
     pub const fn text(name: &'static str, about: &'static str) -> Self {
-        let domain = Domain::Text;
+        let domain = Domain::Text(MAX_TEXT_BYTES);
         Self {
             name,
             about,
             domain,
         }
+    }
+
+    /// The same, of at most so many bytes.
+    #[must_use]
+    pub const fn up_to(mut self, bytes: usize) -> Self {
+        if let Domain::Text(_) = self.domain {
+            self.domain = Domain::Text(bytes);
+        }
+        self
     }
 
     /// A parameter that is one of some words, the first of them unless it says otherwise.
@@ -103,8 +112,8 @@ impl Parameter {
                 }
                 schema
             }
-            Domain::Text => {
-                json!({ "type": "string", "minLength": 1, "maxLength": MAX_TEXT_BYTES })
+            Domain::Text(most) => {
+                json!({ "type": "string", "minLength": 1, "maxLength": most })
             }
             Domain::Word(words, true) => {
                 json!({ "type": "string", "enum": words, "default": words.first() })
@@ -215,9 +224,12 @@ impl Query {
     /// It is empty or too long.
     pub fn text(&self, parameter: &Parameter) -> Result<Option<String>, Refusal> {
         let name = parameter.name;
+        let Domain::Text(most) = parameter.domain else {
+            return Err(Refusal::internal(&format!("{name} is no text")));
+        };
         match self.0.get(name) {
-            Some(text) if (1..=MAX_TEXT_BYTES).contains(&text.len()) => Ok(Some(text.clone())),
-            Some(_) => Err(wrong(format!("{name} has 1 to {MAX_TEXT_BYTES} bytes"))),
+            Some(text) if (1..=most).contains(&text.len()) => Ok(Some(text.clone())),
+            Some(_) => Err(wrong(format!("{name} has 1 to {most} bytes"))),
             None => Ok(None),
         }
     }

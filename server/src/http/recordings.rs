@@ -53,8 +53,10 @@ const EVERY: Parameter = Parameter::whole(
 .or(1);
 const ROBOTS: Parameter = Parameter::text(
     "robots",
-    "Numbers of robots, separated by commas; the first hundred that are recorded unless it is given.",
-);
+    "Numbers of robots, separated by commas, a thousand at most; the first hundred that are recorded \
+     unless it is given.",
+)
+.up_to(8_000);
 /// Parameters of a slice.
 pub const SLICE: &[Parameter] = &[FROM_STEP, STEPS, EVERY, ROBOTS];
 

@@ -16,6 +16,9 @@ use super::paths::{Paths, remove};
 /// Blocks that wait to be written.
 const WAITING: usize = 2;
 
+/// Bytes that recordings leave on the disk, or an eighth of a small one.
+const LEAST_ROOM_BYTES: u64 = 256 << 20;
+
 /// What the thread is to do.
 pub enum Job {
     /// The next block.
@@ -186,6 +189,10 @@ impl Work {
 
     fn block(&mut self, raw: &Raw) -> Result<(), RecordingError> {
         let block = self.writer.encode(raw)?;
+        if leaves_no_room(&self.file) {
+            self.give_up("the disk has hardly any room left".to_owned());
+            return Ok(());
+        }
         let length = self.writer.length() + block.len() as u64;
         if length > self.most_bytes {
             let why = format!("it would take more than {} bytes", self.most_bytes);
@@ -215,6 +222,15 @@ impl Work {
         remove(&self.paths.tail);
         Ok(())
     }
+}
+
+/// Whether recordings would fill the disk, on which what runs find is to be stored.
+fn leaves_no_room(file: &File) -> bool {
+    let Ok(disk) = rustix::fs::fstatvfs(file) else {
+        return false;
+    };
+    let bytes = |blocks: u64| blocks.saturating_mul(disk.f_frsize);
+    bytes(disk.f_bavail) < LEAST_ROOM_BYTES.min(bytes(disk.f_blocks) / 8)
 }
 
 /// Whoever asked may have given up.

@@ -211,8 +211,9 @@ fn a_recording_that_was_damaged_or_cut_is_read_as_far_as_it_goes() {
                 .body
                 .ends_with(b"PAR1")
         );
-        assert_eq!(server.get(&format!("{location}.mcap")).status, 200);
     }
+    let (mcap, ended) = raw(&server, &format!("{location}.mcap"));
+    assert!(ended && mcap.starts_with(b"HTTP/1.1 200 OK"));
     // Without a whole header, or with a changed one, it is damaged and nothing else.
     for bytes in [
         &whole[..0],
@@ -293,12 +294,12 @@ fn a_recording_that_is_deleted_while_it_is_read_is_read_to_its_end() {
 #[test]
 fn a_run_goes_on_whose_recording_was_given_up_and_deleted() {
     let home = tempfile::tempdir().unwrap();
+    // The limit is lowered while the run is under way.
     let small = ["--run-recordings-bytes", "1000000"];
-    let server = Server::start_with(home.path(), &small);
-    // Where robots are is noise, which takes more than the estimate.
+    let server = Server::start(home.path());
     let spec = json!({
         "arena": "easy", "robots": 4, "placement": "grid", "controller": { "method": "brownian" },
-        "epochs": 90_000, "steps_per_epoch": 10, "record": { "every_steps": 10, "fields": ["pose"] },
+        "epochs": 300_000, "steps_per_epoch": 10, "record": { "every_steps": 10, "fields": ["pose"] },
     });
     let job = server.submit(&one_run(&spec));
     let run = server.only_run(&job).id;
@@ -310,6 +311,11 @@ fn a_run_goes_on_whose_recording_was_given_up_and_deleted() {
             .first()
             .is_some_and(|first| first.state == RecordingState::Cut)
     };
+    wait::until("the run to begin", || {
+        (server.only_run(&job).state == api::State::Running).then_some(())
+    });
+    assert!(server.terminate().success());
+    let server = Server::start_with(home.path(), &small);
     wait::until("the recording to be given up", || {
         is_cut(&server).then_some(())
     });
@@ -334,33 +340,21 @@ fn a_run_goes_on_whose_recording_was_given_up_and_deleted() {
 }
 
 #[test]
-fn a_disk_that_runs_full_ends_a_recording_and_not_the_run() {
+fn a_recording_does_not_fill_the_disk_that_results_are_stored_on() {
     let home = tempfile::tempdir().unwrap();
     let server = Server::start_on_a_small_disk(home.path(), 16 << 20);
-    let disk = server.disk(home.path());
+    // About 20 MB, of which 14 fit.
     let spec = json!({
         "arena": "easy", "robots": 10, "placement": "grid", "controller": { "method": "brownian" },
-        "epochs": 200, "steps_per_epoch": 1_000, "record": { "every_steps": 1 },
+        "epochs": 220, "steps_per_epoch": 1_000, "record": { "every_steps": 1 },
     });
     let job = server.submit(&one_run(&spec));
-    let run = server.only_run(&job).id;
-    wait::until("a recording", || {
-        let list: RecordingList = server.read(&format!("/v1/runs/{run}/recordings"));
-        list.items
-            .first()
-            .filter(|first| first.bytes > 1_000_000)
-            .map(drop)
-    });
-    let filler = disk.join("filler");
-    let mut file = fs::File::create(&filler).unwrap();
-    while file.write_all(&[1; 65_536]).is_ok() {}
-    wait::until("the recording to be given up", || {
-        let list: RecordingList = server.read(&format!("/v1/runs/{run}/recordings"));
-        (list.items[0].state == RecordingState::Cut).then_some(())
-    });
-    fs::remove_file(&filler).unwrap();
     server.wait_for(&job);
-    let slice: RecordingSlice = server.read(&format!("/v1/runs/{run}/recording.json?steps=3"));
+    let run = server.only_run(&job);
+    assert_eq!(run.state, api::State::Done, "{run:?}");
+    let slice: RecordingSlice = server.read(&format!("/v1/runs/{}/recording.json?steps=3", run.id));
     assert_eq!(slice.recording.state, RecordingState::Cut);
     assert_eq!(slice.step, [0, 1, 2]);
+    let log = fs::read_to_string(home.path().join("server.log")).unwrap();
+    assert!(log.contains("the disk has hardly any room left"), "{log}");
 }

@@ -113,9 +113,9 @@ fn recordings_that_cannot_be_made_are_refused() {
     let home = tempfile::tempdir().unwrap();
     let small = [
         "--run-recordings-bytes",
-        "1000000",
+        "1500000",
         "--job-recordings-bytes",
-        "3000000",
+        "4500000",
     ];
     let server = Server::start_with(home.path(), &small);
     let mut steered = small_spec();
@@ -132,7 +132,7 @@ fn recordings_that_cannot_be_made_are_refused() {
     let too_many = "more bytes of recordings than a run or a job may have";
     let mut spec = small_spec();
     spec["epochs"] = json!(1_000);
-    // About 9.5 bytes a sample: 1.8 MiB.
+    // 17 bytes a sample: 3.3 MiB.
     let recorded = |spec: &Value, every: u32| {
         let mut spec = spec.clone();
         spec["record"] = json!({ "every_steps": every });
@@ -142,19 +142,19 @@ fn recordings_that_cannot_be_made_are_refused() {
     for path in ["/v1/jobs", "/v1/checks/job"] {
         let error = &server.post(path, &posted).refused(too_many).errors[0];
         assert_eq!(error.pointer, "/base/record");
-        assert!(error.message.contains("1.8 MiB"), "{error}");
+        assert!(error.message.contains("3.3 MiB"), "{error}");
         assert!(
-            error.allowed.contains("every_steps of at least 2"),
+            error.allowed.contains("every_steps of at least 3"),
             "{error}"
         );
     }
     // Three runs fit into a job, as what is told says; a fourth does not, also not as an extension.
     let error = &server
-        .post("/v1/jobs", &job(recorded(&spec, 2), 4))
+        .post("/v1/jobs", &job(recorded(&spec, 3), 4))
         .refused(too_many)
         .errors[0];
     assert!(error.allowed.contains("about 3 runs"), "{error}");
-    let fits = server.submit(&job(recorded(&spec, 2), 3));
+    let fits = server.submit(&job(recorded(&spec, 3), 3));
     server
         .post(
             &format!("/v1/jobs/{}/extend", fits.id),
@@ -173,12 +173,12 @@ fn recordings_that_cannot_be_made_are_refused() {
         .refused(too_many)
         .errors[0];
     assert!(
-        error.allowed.contains("every_steps of at least 2"),
+        error.allowed.contains("every_steps of at least 3"),
         "{error}"
     );
-    let asked = json!({ "every_steps": 2 });
+    let asked = json!({ "every_steps": 3 });
     assert_eq!(server.post(&recordings, &asked).status, 201);
-    let more = json!({ "every_steps": 3 });
+    let more = json!({ "every_steps": 4 });
     let error = &server.post(&recordings, &more).refused(too_many).errors[0];
     assert!(
         error.message.contains("recordings of the run may take"),
