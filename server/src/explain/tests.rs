@@ -29,7 +29,6 @@ fn stuck() -> Value {
 fn a_run_that_got_stuck_is_explained_in_a_sentence_that_its_recording_bears_out() {
     let mut spec = stuck();
     let explanation = explained(&spec);
-    println!("{}", explanation.sentence);
     assert!(explanation.is_odd, "{explanation:#?}");
     let sentence = &explanation.sentence;
     assert_eq!(sentence.matches(". ").count(), 0, "{sentence}");
