@@ -61,6 +61,7 @@ pub struct Point {
 ///
 /// # Errors
 /// When a case cannot be set up or the picture cannot be written.
+#[allow(clippy::print_stdout, reason = "the table is the program's output")]
 pub fn run(options: &Options) -> Result<()> {
     let processors = std::thread::available_parallelism().map_or(1, usize::from);
     let most = options.most.unwrap_or(processors).max(1);

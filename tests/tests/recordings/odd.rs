@@ -29,7 +29,7 @@ fn a_run_that_cannot_get_out_comes_first_in_the_summary_with_the_reason() {
     server.wait_for(&job);
     let path = format!("/v1/jobs/{}/summary", job.id);
     let first: JobSummary = server.read(&path);
-    let odd = first.odd_runs.first().expect("a run stands out");
+    let odd = first.odd_runs.first().unwrap();
     assert!(odd.seed == seed && odd.is_outlier, "{odd:?}");
     assert!(
         f64::from(odd.p1) < odd.median_p1 && odd.score.unwrap() < -3.5,
