@@ -7,6 +7,7 @@ pub mod compare;
 pub mod document;
 pub mod faults;
 pub mod fuzz;
+pub mod gain;
 pub mod instructions;
 pub mod measure;
 pub mod memory;

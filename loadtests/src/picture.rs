@@ -5,9 +5,9 @@ use std::path::Path;
 use anyhow::{Result, anyhow};
 use plotters::prelude::*;
 
+use crate::gain::Gain;
 use crate::measure::Figure;
 use crate::table::{SCALING, robots_of};
-use crate::threads::Gain;
 
 const COLOURS: [RGBColor; 4] = [
     RGBColor(0, 114, 178),

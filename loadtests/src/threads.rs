@@ -6,6 +6,7 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use swarm::crew::Crew;
 
+use crate::gain::{Gain, Point};
 use crate::{cases, instructions, picture};
 
 /// Cases with a world large enough to be shared.
@@ -37,24 +38,6 @@ pub struct Options {
     /// Draws the speed-up against threads into this SVG file.
     #[arg(long)]
     picture: Option<PathBuf>,
-}
-
-/// What a case gained.
-pub struct Gain {
-    /// The case.
-    pub name: String,
-    /// Threads, least and median wall nanoseconds a robot-step, median of the rounds' speed-ups.
-    pub points: Vec<Point>,
-}
-
-/// A case on some threads.
-pub struct Point {
-    /// How many.
-    pub threads: usize,
-    /// Least wall time of all chunks.
-    pub min_ns: f64,
-    /// Median wall time of all chunks.
-    pub median_ns: f64,
 }
 
 /// Measures, prints a table, and draws where asked to.

@@ -2,36 +2,15 @@
 //! slice of a long recording is there. Prints Markdown tables.
 #![allow(clippy::print_stdout, reason = "the tables are the program's output")]
 
+mod options;
 mod rates;
 mod seeks;
 mod subject;
 
 use anyhow::Result;
+pub use options::Options;
 
 use crate::instructions;
-
-/// Recording measured: rates, sizes, and random slices of a long recording.
-#[derive(Clone, Debug, clap::Args)]
-pub struct Options {
-    /// Numbers of robots whose rates are measured.
-    #[arg(long, value_delimiter = ',', default_values_t = [1, 100, 1_000])]
-    robots: Vec<u64>,
-    /// Rounds; each steps every way of recording once, in turn.
-    #[arg(long, default_value_t = 9)]
-    rounds: usize,
-    /// Seconds a way takes in a round, about.
-    #[arg(long, default_value_t = 1.0)]
-    seconds: f64,
-    /// Robot-steps of the recording that slices are read from, with its 1,000 robots.
-    #[arg(long, default_value_t = 100_000_000)]
-    robot_steps: u64,
-    /// Slices that are read.
-    #[arg(long, default_value_t = 2_000)]
-    slices: u32,
-    /// Folder for the recordings, on the disk that is to be measured [default: a temporary one].
-    #[arg(long)]
-    folder: Option<std::path::PathBuf>,
-}
 
 /// Measures and prints.
 ///

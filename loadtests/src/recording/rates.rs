@@ -7,7 +7,7 @@ use anyhow::Result;
 use cpu_time::ThreadTime;
 use serde_json::{Value, json};
 
-use super::Options;
+use super::options::Options;
 use super::subject::{STEPS, Subject};
 use crate::measure::quantile;
 

@@ -10,7 +10,7 @@ use rustix::fs::{Advice, fadvise};
 use serde_json::json;
 use server::recording::{Paths, SliceQuery, Stage, slice};
 
-use super::Options;
+use super::options::Options;
 use super::subject::{STEPS, Subject};
 use crate::measure::quantile;
 

@@ -459,7 +459,7 @@ impl Shared {
 
     /// Bytes of the recordings of the fullest job that has a run.
     fn bytes_of_jobs(&self, run: RunKey) -> u64 {
-        let jobs = self.store.jobs_with(run).unwrap_or_default();
+        let jobs = self.store.jobs_of(run).unwrap_or_default();
         let by_job = self.runs_by_job();
         let of_job = |job| by_job.get(job).into_iter().flatten();
         let recordings = self.store.recordings();
@@ -475,7 +475,7 @@ impl Shared {
             let Ok(Some(run)) = self.store.run(&id) else {
                 continue;
             };
-            for job in self.store.jobs_with(run.seq).unwrap_or_default() {
+            for job in self.store.jobs_of(run.seq).unwrap_or_default() {
                 by_job.entry(job).or_default().push(id.clone());
             }
         }

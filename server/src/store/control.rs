@@ -321,7 +321,7 @@ fn log(connection: &Connection, run: RunKey, what: &str) -> rusqlite::Result<()>
     Ok(())
 }
 
-pub(super) fn jobs_of(connection: &Connection, run: RunKey) -> rusqlite::Result<Vec<JobKey>> {
+fn jobs_of(connection: &Connection, run: RunKey) -> rusqlite::Result<Vec<JobKey>> {
     connection
         .prepare_cached("SELECT DISTINCT job FROM job_runs WHERE run = ?1 ORDER BY job")?
         .query_map([run], |row| row.get(0))?

@@ -4,7 +4,6 @@ use api::RunResult;
 use rusqlite::{Connection, OptionalExtension, Row, params};
 use sha2::{Digest, Sha256};
 
-use super::control::jobs_of;
 use super::keys::{JobKey, RunKey};
 use super::state::{Position, RunState};
 use super::{Store, StoreError, from_sql, to_sql};
@@ -292,14 +291,6 @@ impl Store {
             .query_row([key], |row| Ok(view(row)))
             .optional()?
             .transpose()
-    }
-
-    /// The jobs that have a run.
-    ///
-    /// # Errors
-    /// When the database fails.
-    pub fn jobs_with(&self, run: RunKey) -> Result<Vec<JobKey>, StoreError> {
-        Ok(jobs_of(&self.reader(), run)?)
     }
 
     /// The resolved spec of a run, as JSON; `None` when there is no such run.
