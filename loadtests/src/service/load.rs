@@ -21,6 +21,10 @@ pub struct Options {
     /// Clients that ask one request after the other.
     #[arg(long, default_values_t = [50, 250], value_delimiter = ',')]
     clients: Vec<usize>,
+    /// Milliseconds that a client waits between an answer and its next request; with 0 the clients
+    /// take what processor time there is.
+    #[arg(long, default_value_t = 100)]
+    pause_ms: u64,
     /// Listeners to a job's events; every tenth is slow.
     #[arg(long, default_value_t = 200)]
     listeners: usize,
@@ -65,8 +69,9 @@ async fn measure(options: &Options, clients: usize, listeners: usize) -> Result<
     let listening: Vec<_> = (0..listeners)
         .map(|number| tokio::spawn(listen(address, number % 10 == 0, stopped.clone())))
         .collect();
+    let pause = Duration::from_millis(options.pause_ms);
     let asking: Vec<_> = (0..clients)
-        .map(|number| tokio::spawn(ask(address, number, stopped.clone())))
+        .map(|number| tokio::spawn(ask(address, number, pause, stopped.clone())))
         .collect();
     let (started, cpu_s) = (Instant::now(), server.stepping_cpu_s()?);
     tokio::time::sleep(Duration::from_secs(options.seconds)).await;
@@ -126,7 +131,12 @@ async fn prepare(address: SocketAddr, threads: usize) -> Result<()> {
 }
 
 /// A client: nine reads to a write, in a fixed order that differs from client to client.
-async fn ask(address: SocketAddr, number: usize, mut stop: watch::Receiver<bool>) -> Tally {
+async fn ask(
+    address: SocketAddr,
+    number: usize,
+    pause: Duration,
+    mut stop: watch::Receiver<bool>,
+) -> Tally {
     let mut client = Client::new(address);
     let mut tally = Tally::default();
     let run = run_id(&mut client).await.unwrap_or_default();
@@ -145,6 +155,7 @@ async fn ask(address: SocketAddr, number: usize, mut stop: watch::Receiver<bool>
     let mut own: Option<String> = None;
     while !*stop.borrow_and_update() {
         turn += 1;
+        tokio::time::sleep(pause).await;
         let writes = turn.is_multiple_of(10);
         let answer = if writes {
             match own.take() {

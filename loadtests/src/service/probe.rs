@@ -61,7 +61,13 @@ pub async fn progress(
     let mut seen = Progress::default();
     let mut first = true;
     while !*stop.borrow_and_update() {
-        let page = client.get(&path).await?.json()?;
+        let answer = client.get(&path).await?;
+        if answer.status == 503 {
+            // Beyond the limit of clients: the next look tells more.
+            tokio::time::sleep(Duration::from_millis(100)).await;
+            continue;
+        }
+        let page = answer.json()?;
         let now = Instant::now();
         let steps: Vec<u64> = page["items"]
             .as_array()

@@ -16,16 +16,26 @@ use crate::break_points::{Place, reach};
 /// Runs that are changed in one transaction.
 pub const PART: usize = 500;
 
-/// Time between two looks whether others still wait for their turn: the mutex is not fair.
+/// Time between two looks whether others still wait for their turn.
 const BREATH: Duration = Duration::from_millis(1);
 /// Most looks between two transactions, should others come without end.
-const MOST_BREATHS: u32 = 1_000;
+const MOST_BREATHS: u32 = 50;
 
 /// Places in a job, from the first to before the second.
 #[derive(Clone, Copy)]
 pub struct Part {
     pub from: i64,
     pub to: i64,
+}
+
+impl Part {
+    /// All places of a job that has no more than fit into one.
+    pub fn first() -> Self {
+        Self {
+            from: 0,
+            to: to_sql(PART as u64),
+        }
+    }
 }
 
 /// What becomes of a job after the last part.

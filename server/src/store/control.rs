@@ -176,7 +176,7 @@ impl Store {
     /// # Errors
     /// When the database fails or there is no such run.
     pub fn robot_steps_done(&self, run: RunKey) -> Result<u64, StoreError> {
-        Ok(from_sql(self.connection().query_row(
+        Ok(from_sql(self.reader().query_row(
             "SELECT robot_steps_done FROM runs WHERE seq = ?1",
             [run],
             |row| row.get(0),
@@ -197,7 +197,7 @@ impl Store {
     /// When the database fails.
     pub fn run_log(&self, run: RunKey) -> Result<Vec<LogEntry>, StoreError> {
         Ok(self
-            .connection()
+            .reader()
             .prepare_cached(
                 "SELECT at, robot_steps_done, what FROM run_log WHERE run = ?1 ORDER BY seq",
             )?
@@ -241,7 +241,7 @@ impl Store {
     /// When the database fails.
     pub fn document(&self, job: JobKey) -> Result<Option<String>, StoreError> {
         Ok(self
-            .connection()
+            .reader()
             .prepare_cached("SELECT document FROM jobs WHERE seq = ?1")?
             .query_row([job], |row| row.get(0))
             .optional()?

@@ -1,12 +1,13 @@
-//! Storing a job: in transactions of bounded size, so that others get their turn. The job is seen
-//! once all of it is there; of one that a crash cut short nothing is left after the next start.
+//! Storing a job: in transactions of bounded size, so that others get their turn; a job that fits
+//! into one is stored as one. The job is seen once all of it is there; of one that a crash cut short
+//! nothing is left after the next start.
 
 use std::sync::atomic::Ordering::Relaxed;
 
 use rusqlite::{Connection, OptionalExtension, params};
 use sha2::{Digest, Sha256};
 
-use super::changes::{Closing, PART, requeue};
+use super::changes::{Closing, PART, Part, requeue};
 use super::keys::{JobKey, RunKey};
 use super::{Store, StoreError, from_sql, to_sql};
 use crate::break_points::{Place, reach};
@@ -155,6 +156,9 @@ impl Store {
     /// `KeyReused`, `UnderWay`, `QueueFull`, `TooLarge`, or `Store` when the database fails; nothing
     /// is stored then.
     pub fn create_job(&self, job: &NewJob, limit: u64) -> Result<Created, CreateJobError> {
+        if job.runs.len() <= PART {
+            return self.create_at_once(job, limit);
+        }
         let (seq, reserved) = match self.begin(job, limit)? {
             Begun::New(seq, reserved) => (seq, reserved),
             Begun::Replayed(seq) => return Ok(Created::Replayed(seq)),
@@ -170,6 +174,23 @@ impl Store {
         Ok(Created::New(seq, self.waiting(seq)?))
     }
 
+    fn create_at_once(&self, job: &NewJob, limit: u64) -> Result<Created, CreateJobError> {
+        let mut connection = self.connection();
+        let transaction = connection.transaction()?;
+        let reserved = self.reserved_runs.load(Relaxed);
+        let runs = job.runs.len() as u64;
+        if let Some(seq) = admit(&transaction, &job.request, reserved, runs, limit)? {
+            return Ok(Created::Replayed(seq));
+        }
+        let seq = add_job(&transaction, job, None)?;
+        add_runs(&transaction, seq, 0, &job.runs)?;
+        requeue(&transaction, seq, Part::first())?;
+        transaction.commit()?;
+        drop(connection);
+        reach(Place::JobStored);
+        Ok(Created::New(seq, self.waiting(seq)?))
+    }
+
     fn begin(&self, job: &NewJob, limit: u64) -> Result<Begun<'_>, CreateJobError> {
         let runs = job.runs.len() as u64;
         let mut connection = self.connection();
@@ -178,21 +199,7 @@ impl Store {
         if let Some(seq) = admit(&transaction, &job.request, reserved, runs, limit)? {
             return Ok(Begun::Replayed(seq));
         }
-        let seq = transaction
-            .prepare_cached(
-                "INSERT INTO jobs (name, request_sha256, idempotency_key, design, document, unfinished)
-                 VALUES (?1, ?2, ?3, ?4, ?5, 'creating') RETURNING seq",
-            )?
-            .query_row(
-                params![
-                    job.name,
-                    job.request.sha256,
-                    job.request.idempotency_key,
-                    job.design,
-                    job.request.document
-                ],
-                |row| row.get(0),
-            )?;
+        let seq = add_job(&transaction, job, Some("creating"))?;
         transaction.commit()?;
         // Under the connection's mutex, as all requests for room are.
         self.reserved_runs.fetch_add(runs, Relaxed);
@@ -208,19 +215,7 @@ impl Store {
         for (part, runs) in job.runs.chunks(PART).enumerate() {
             let mut connection = self.connection();
             let transaction = connection.transaction()?;
-            for (place, run) in runs.iter().enumerate() {
-                let run_seq = add_run(&transaction, run)?;
-                transaction
-                    .prepare_cached(
-                        "INSERT INTO job_runs (job, ordinal, run, label) VALUES (?1, ?2, ?3, ?4)",
-                    )?
-                    .execute(params![
-                        seq,
-                        to_sql((part * PART + place) as u64),
-                        run_seq,
-                        run.label
-                    ])?;
-            }
+            add_runs(&transaction, seq, part * PART, runs)?;
             transaction.commit()?;
             reserved.spend(runs.len() as u64);
             drop(connection);
@@ -245,6 +240,47 @@ impl Store {
         let reserved = self.reserved_runs.load(Relaxed);
         admit(&self.reader(), request, reserved, runs, limit)
     }
+}
+
+fn add_job(
+    connection: &Connection,
+    job: &NewJob,
+    unfinished: Option<&str>,
+) -> rusqlite::Result<JobKey> {
+    connection
+        .prepare_cached(
+            "INSERT INTO jobs (name, request_sha256, idempotency_key, design, document, unfinished)
+             VALUES (?1, ?2, ?3, ?4, ?5, ?6) RETURNING seq",
+        )?
+        .query_row(
+            params![
+                job.name,
+                job.request.sha256,
+                job.request.idempotency_key,
+                job.design,
+                job.request.document,
+                unfinished
+            ],
+            |row| row.get(0),
+        )
+}
+
+/// Stores runs of a job from this place in it on.
+fn add_runs(
+    connection: &Connection,
+    seq: JobKey,
+    first: usize,
+    runs: &[NewRun],
+) -> rusqlite::Result<()> {
+    for (place, run) in (first..).zip(runs) {
+        let run_seq = add_run(connection, run)?;
+        connection
+            .prepare_cached(
+                "INSERT INTO job_runs (job, ordinal, run, label) VALUES (?1, ?2, ?3, ?4)",
+            )?
+            .execute(params![seq, to_sql(place as u64), run_seq, run.label])?;
+    }
+    Ok(())
 }
 
 enum Begun<'a> {

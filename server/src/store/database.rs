@@ -4,9 +4,9 @@ use std::ops::{Deref, DerefMut};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicU64;
 use std::sync::atomic::Ordering::Relaxed;
-use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use parking_lot::{Mutex, MutexGuard};
 use rusqlite::Connection;
 
 use super::checkpoints::Checkpoints;
@@ -37,6 +37,7 @@ const CACHE_KIB: i64 = 64 << 10;
 pub struct Store {
     pub(super) dir: PathBuf,
     pub(super) readers: Readers,
+    /// Whoever has waited for long has it next.
     pub(super) connection: Mutex<Connection>,
     /// Threads that wait for it.
     pub(super) waiting_writers: AtomicU64,
@@ -132,7 +133,7 @@ impl Store {
         self.waiting_writers.fetch_add(1, Relaxed);
         let connection = self.connection.lock();
         self.waiting_writers.fetch_sub(1, Relaxed);
-        connection.unwrap_or_else(PoisonError::into_inner)
+        connection
     }
 
     /// The connection for changes that are not waited for on disk: a crash of the machine may undo

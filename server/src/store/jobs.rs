@@ -73,7 +73,7 @@ impl Store {
     /// When the database fails.
     pub fn design(&self, seq: JobKey) -> Result<Option<String>, StoreError> {
         Ok(self
-            .connection()
+            .reader()
             .prepare_cached("SELECT design FROM jobs WHERE seq = ?1")?
             .query_row([seq], |row| row.get(0))
             .optional()?
