@@ -123,6 +123,8 @@ pub fn scaled_arena(robots: u64) -> Result<Arc<Arena>> {
 fn tiled(along: u32) -> Result<Arc<Arena>> {
     let tiling = Tiling {
         tile: [along, along],
+        // An arena has at most 1,000 squares a side.
+        squares: (along > 10).then_some([20, 20]),
         ..Tiling::default()
     };
     Ok(Arc::new(builtin("easy")?.tiled(&tiling).map_err(refused)?))
