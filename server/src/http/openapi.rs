@@ -69,6 +69,10 @@ pub fn document(described: &[Described]) -> Value {
             "headers": { "ETag": header("ETag"), "Cache-Control": header("CacheControl") },
         }),
     );
+    responses.insert(
+        "AddressTooLong".into(),
+        json!({ "description": "The address is longer than 64 KiB. Without a body." }),
+    );
     // Types that no answer refers to, but whoever reads streams needs.
     parts.schema(Shape::of::<api::events::Event>());
     // No type is both taken and answered with, so that each has one schema.
@@ -178,6 +182,10 @@ fn operation(route: &Described, parts: &mut Parts) -> Value {
         let status = codes[0].status().to_string();
         responses.insert(status, parts.problem(codes));
     }
+    responses.insert(
+        "414".into(),
+        json!({ "$ref": "#/components/responses/AddressTooLong" }),
+    );
     let group = GROUPS
         .iter()
         .find(|(_, _, begins)| begins.iter().any(|begin| path.starts_with(begin)))
