@@ -58,6 +58,14 @@ impl EngineState {
         }
     }
 
+    /// Whether it is one of so many robots, as what was read back might not be.
+    pub fn fits(&self, robots: usize) -> bool {
+        match self {
+            EngineState::Kinematic => true,
+            EngineState::Rapier(rigid) => rigid.engine.fits(robots),
+        }
+    }
+
     /// Puts robots elsewhere at once, without any memory of earlier contacts.
     pub fn place(&mut self, bodies: &Bodies) {
         if let EngineState::Rapier(rigid) = self {

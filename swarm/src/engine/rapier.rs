@@ -70,6 +70,12 @@ impl RapierEngine {
         engine
     }
 
+    /// Whether it has a body for each of so many robots, as what was read back might not.
+    pub fn fits(&self, robots: usize) -> bool {
+        let known = |robot: &RigidBodyHandle| self.world.bodies.contains(*robot);
+        self.robots.len() == robots && self.robots.iter().all(known)
+    }
+
     /// Where the movable objects are, in the order of the arena's.
     pub fn objects(&self) -> impl ExactSizeIterator<Item = ObjectPose> + '_ {
         self.objects.poses(&self.world)

@@ -343,3 +343,12 @@ fn fast_small_robots_stay_inside() {
         }
     }
 }
+
+#[test]
+fn an_engine_of_another_number_of_robots_does_not_fit() {
+    let model = model(1.0, 0.0);
+    let mut engine = RapierEngine::new(&arena(1.0, &[]), &model, &[0.3, 0.5], &[0.5, 0.5]);
+    assert!(engine.fits(2) && !engine.fits(1) && !engine.fits(3));
+    engine.robots[1] = RigidBodyHandle::invalid();
+    assert!(!engine.fits(2), "a robot without a body");
+}
