@@ -26,10 +26,11 @@ pub fn peak_bytes() -> Option<u64> {
     Some(line.split_whitespace().nth(1)?.parse::<u64>().ok()? * 1024)
 }
 
-/// Load average of the last minute (Linux).
-pub fn load_average() -> Option<String> {
-    let text = std::fs::read_to_string("/proc/loadavg").ok()?;
-    Some(text.split_whitespace().next()?.to_owned())
+/// Load average of the last minute (Linux), in words where there is none.
+pub fn load_average() -> String {
+    let text = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
+    let last_minute = text.split_whitespace().next();
+    last_minute.unwrap_or("unknown").to_owned()
 }
 
 fn number_after(text: &str, label: &str) -> Option<u64> {

@@ -125,7 +125,7 @@ fn main() -> Result<()> {
         "{} rounds of {} ms; load average {}, this program included",
         options.rounds,
         options.chunk_ms,
-        instructions::load_average().unwrap_or_else(|| "unknown".into()),
+        instructions::load_average(),
     ));
     for line in lines.iter().chain([&String::new()]).chain(&scaling) {
         println!("{line}");

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Result, anyhow};
+use plotters::coord::ranged1d::Ranged;
 use plotters::prelude::*;
 
 use crate::gain::Gain;
@@ -65,13 +66,7 @@ pub fn scaling(figures: &[Figure], path: &Path) -> Result<()> {
                 .map(|point| Circle::new(*point, 3, colour.filled()));
             chart.draw_series(marks).map_err(|e| failed(&e))?;
         }
-        chart
-            .configure_series_labels()
-            .border_style(BLACK)
-            .background_style(WHITE)
-            .position(SeriesLabelPosition::UpperLeft)
-            .draw()
-            .map_err(|e| failed(&e))?;
+        legend(&mut chart).map_err(|e| failed(&e))?;
     }
     root.present().map_err(|e| failed(&e))
 }
@@ -118,12 +113,18 @@ pub fn threads(gains: &[Gain], path: &Path) -> Result<()> {
             .label(gain.name.trim_start_matches("kinematic/"))
             .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour));
     }
+    legend(&mut chart).map_err(|e| failed(&e))?;
+    root.present().map_err(|e| failed(&e))
+}
+
+/// What the lines of a chart are, within it.
+fn legend<'a, X: Ranged, Y: Ranged>(
+    chart: &mut ChartContext<'a, SVGBackend<'a>, Cartesian2d<X, Y>>,
+) -> Result<(), DrawingAreaErrorKind<std::io::Error>> {
     chart
         .configure_series_labels()
         .border_style(BLACK)
         .background_style(WHITE)
         .position(SeriesLabelPosition::UpperLeft)
         .draw()
-        .map_err(|e| failed(&e))?;
-    root.present().map_err(|e| failed(&e))
 }

@@ -66,7 +66,7 @@ pub fn run(options: &Options) -> Result<()> {
         "{} rounds of {} ms; load average {}, this program included",
         options.rounds,
         options.chunk_ms,
-        instructions::load_average().unwrap_or_else(|| "unknown".into()),
+        instructions::load_average(),
     );
     if let Some(path) = &options.picture {
         picture::threads(&gains, path)?;

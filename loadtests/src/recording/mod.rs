@@ -34,7 +34,7 @@ pub fn run(options: &Options) -> Result<()> {
         "\n{} rounds of about {} s a way, medians; load average {}, this program included",
         options.rounds,
         options.seconds,
-        instructions::load_average().unwrap_or_else(|| "unknown".into()),
+        instructions::load_average(),
     );
     println!();
     for line in seeks::lines(options, home.path())? {

@@ -68,6 +68,15 @@ async fn arena(
     .await
 }
 
+/// The squares of an arena row by row, `1` where the mask says so.
+pub(super) fn rows(mask: &[bool], arena: &Arena) -> Vec<String> {
+    let [columns, _] = arena.squares();
+    let letter = |&within: &bool| if within { '1' } else { '0' };
+    mask.chunks(columns.max(1) as usize)
+        .map(|row| row.iter().map(letter).collect())
+        .collect()
+}
+
 fn checked(mut listing: ArenaListing, arena: &Arena) -> ArenaCheck {
     let radius_m = SvgOptions::default().body_radius_m;
     let starts: Vec<_> = arena
@@ -77,9 +86,6 @@ fn checked(mut listing: ArenaListing, arena: &Arena) -> ArenaCheck {
         .collect();
     let reachable = arenas::reachable_from(arena, &starts, radius_m);
     listing.reachable = reachable.count;
-    let [columns, _] = arena.squares();
-    let letter = |&within: &bool| if within { '1' } else { '0' };
-    let rows = reachable.mask.chunks(columns.max(1) as usize);
     let gates = arenas::gates_at_the_limit(arena, radius_m, GATE_WITHIN_M);
     ArenaCheck {
         arena: listing,
@@ -89,7 +95,7 @@ fn checked(mut listing: ArenaListing, arena: &Arena) -> ArenaCheck {
             .take(MAX_WALLS)
             .map(|wall| [wall.a.x, wall.a.y, wall.b.x, wall.b.y])
             .collect(),
-        reachable_rows: rows.map(|row| row.iter().map(letter).collect()).collect(),
+        reachable_rows: rows(&reachable.mask, arena),
         gates: gates
             .iter()
             .take(MAX_GATES)

@@ -16,6 +16,7 @@ use futures_util::stream::{self, Stream, StreamExt};
 use tokio::sync::OwnedSemaphorePermit;
 
 use super::App;
+use super::checks::rows;
 use super::extract::FoundRun;
 use super::operation::{JSON, Operation, Shape};
 use super::query::{Parameter, Query};
@@ -233,13 +234,10 @@ async fn reach(State(app): State<App>, FoundRun(run): FoundRun) -> Result<Json<R
         let spec = app.findings.resolved(&run)?;
         let mask = app.findings.mask(spec.arena(), spec.body_radius_m());
         let mask = mask.as_deref().unwrap_or_default();
-        let [columns, _] = spec.arena().squares();
-        let letter = |&within: &bool| if within { '1' } else { '0' };
-        let rows = mask.chunks(columns.max(1) as usize);
         Ok(Json(Reach {
             // An arena has at most 1,000,000 squares.
             reachable: mask.iter().filter(|&&within| within).count() as u32,
-            reachable_rows: rows.map(|row| row.iter().map(letter).collect()).collect(),
+            reachable_rows: rows(mask, spec.arena()),
         }))
     })
     .await

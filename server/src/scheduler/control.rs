@@ -11,7 +11,7 @@ use super::arenas::StoredArenas;
 use super::control_error::ControlError;
 use super::submission::new_job;
 use super::{Scheduler, attempt};
-use crate::documents::{expand, with_more_seeds};
+use crate::documents::{ExpandedJob, expand, with_more_seeds};
 use crate::store::{Created, Intent, JobKey, JobRequest, JobView, RunKey, RunView};
 
 /// Longest wait for a worker to let go of a run.
@@ -64,8 +64,7 @@ impl Scheduler {
         }
         let longer = with_more_seeds(&document, more);
         let expanded = expand(&longer, &StoredArenas::new(store)).map_err(ControlError::Invalid)?;
-        let limits = &self.shared.config.recordings;
-        (limits.check_job(&expanded.runs)).map_err(ControlError::Invalid)?;
+        self.check_recordings(&expanded)?;
         let request = JobRequest::of_document(longer.to_string().as_bytes(), None);
         let longer = new_job(expanded, request);
         let added = store.extend_job(job.seq, &longer, self.shared.config.unfinished_limit)?;
@@ -104,8 +103,7 @@ impl Scheduler {
         });
         let expanded =
             expand(&document, &StoredArenas::new(store)).map_err(ControlError::Invalid)?;
-        let limits = &self.shared.config.recordings;
-        (limits.check_job(&expanded.runs)).map_err(ControlError::Invalid)?;
+        self.check_recordings(&expanded)?;
         let request = JobRequest::of_document(document.to_string().as_bytes(), None);
         let goes_on = (expanded.runs.iter()).any(|longer| self.go_on_from_the_end(run, longer));
         let longer = new_job(expanded, request);
@@ -117,6 +115,12 @@ impl Scheduler {
             }
         }
         Ok(job)
+    }
+
+    /// Whether what a job's runs are to record of themselves fits.
+    pub(super) fn check_recordings(&self, job: &ExpandedJob) -> Result<(), ControlError> {
+        let limits = &self.shared.config.recordings;
+        limits.check_job(&job.runs).map_err(ControlError::Invalid)
     }
 
     /// Changes the priority of a job: its waiting runs come before those of lower priority.

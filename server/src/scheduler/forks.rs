@@ -157,8 +157,7 @@ impl Scheduler {
                 ..Design::default()
             }],
         };
-        let limits = &self.shared.config.recordings;
-        (limits.check_job(&expanded.runs)).map_err(ControlError::Invalid)?;
+        self.check_recordings(&expanded)?;
         let mut job: NewJob = new_job(expanded, request);
         for run in &mut job.runs {
             run.id.clone_from(&id);

@@ -29,11 +29,11 @@ pub struct Part {
 }
 
 impl Part {
-    /// All places of a job that has no more than fit into one.
-    pub fn first() -> Self {
+    /// So many places from this one on.
+    pub fn of(from: i64, places: usize) -> Self {
         Self {
-            from: 0,
-            to: to_sql(PART as u64),
+            from,
+            to: from + to_sql(places as u64),
         }
     }
 }
@@ -154,10 +154,7 @@ impl Store {
     ) -> Result<(), StoreError> {
         let mut from = 0;
         loop {
-            let part = Part {
-                from,
-                to: from + to_sql(PART as u64),
-            };
+            let part = Part::of(from, PART);
             let mut connection = self.connection();
             let transaction = connection.transaction()?;
             change(&transaction, seq, part)?;

@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering::Relaxed;
 use rusqlite::{Connection, OptionalExtension, params};
 
 use super::changes::{PART, Part, requeue, settle};
-use super::creation::{CreateJobError, NewJob, NewRun, add_run, check_room};
+use super::creation::{CreateJobError, NewJob, NewRun, add_runs, check_room};
 use super::keys::{JobKey, RunKey};
 use super::runs::StoppedRun;
 use super::{Store, StoreError, from_sql, to_sql};
@@ -286,18 +286,8 @@ fn add_part(connection: &Connection, job: JobKey, runs: &[&NewRun]) -> rusqlite:
         [job],
         |row| row.get(0),
     )?;
-    for (ordinal, run) in (from..).zip(runs) {
-        let added = add_run(connection, run)?;
-        connection
-            .prepare_cached(
-                "INSERT INTO job_runs (job, ordinal, run, label) VALUES (?1, ?2, ?3, ?4)",
-            )?
-            .execute(params![job, ordinal, added, run.label])?;
-    }
-    let part = Part {
-        from,
-        to: from + to_sql(runs.len() as u64),
-    };
+    add_runs(connection, job, from, runs.iter().copied())?;
+    let part = Part::of(from, runs.len());
     requeue(connection, job, part)?;
     settle(connection, job, part)?;
     Ok(())

@@ -184,7 +184,7 @@ impl Store {
         }
         let seq = add_job(&transaction, job, None)?;
         add_runs(&transaction, seq, 0, &job.runs)?;
-        requeue(&transaction, seq, Part::first())?;
+        requeue(&transaction, seq, Part::of(0, job.runs.len()))?;
         transaction.commit()?;
         drop(connection);
         reach(Place::JobStored);
@@ -215,7 +215,7 @@ impl Store {
         for (part, runs) in job.runs.chunks(PART).enumerate() {
             let mut connection = self.connection();
             let transaction = connection.transaction()?;
-            add_runs(&transaction, seq, part * PART, runs)?;
+            add_runs(&transaction, seq, to_sql((part * PART) as u64), runs)?;
             transaction.commit()?;
             reserved.spend(runs.len() as u64);
             drop(connection);
@@ -266,11 +266,11 @@ fn add_job(
 }
 
 /// Stores runs of a job from this place in it on.
-fn add_runs(
+pub(super) fn add_runs<'a>(
     connection: &Connection,
     seq: JobKey,
-    first: usize,
-    runs: &[NewRun],
+    first: i64,
+    runs: impl IntoIterator<Item = &'a NewRun>,
 ) -> rusqlite::Result<()> {
     for (place, run) in (first..).zip(runs) {
         let run_seq = add_run(connection, run)?;
@@ -278,7 +278,7 @@ fn add_runs(
             .prepare_cached(
                 "INSERT INTO job_runs (job, ordinal, run, label) VALUES (?1, ?2, ?3, ?4)",
             )?
-            .execute(params![seq, to_sql(place as u64), run_seq, run.label])?;
+            .execute(params![seq, place, run_seq, run.label])?;
     }
     Ok(())
 }
@@ -340,7 +340,7 @@ pub(super) fn check_room(
 }
 
 /// Stores a run or finds it; returns its key. One that is found is left as it is.
-pub(super) fn add_run(connection: &Connection, run: &NewRun) -> rusqlite::Result<RunKey> {
+fn add_run(connection: &Connection, run: &NewRun) -> rusqlite::Result<RunKey> {
     connection
         .prepare_cached(
             "INSERT INTO runs
