@@ -19,12 +19,17 @@ from search import RUN_FIELDS, Runner, Table
 HERE = pathlib.Path(__file__).resolve().parent
 
 
+def settings_of(candidates, name):
+    """A candidate's settings; it may be another one (`like`) with changes."""
+    told = dict(candidates[name])
+    return (settings_of(candidates, told.pop("like")) | told) if "like" in told else told
+
+
 def wanted(plan):
     runs = {}
-    for name, settings in plan["candidates"].items():
-        for block in plan["runs"]:
-            if name not in block.get("candidates", plan["candidates"]):
-                continue
+    for block in plan["runs"]:
+        for name in block["candidates"]:
+            settings = settings_of(plan["candidates"], name)
             for arena in block["arenas"]:
                 for method in block["methods"]:
                     for seed in range(block["first"], block["first"] + block["count"]):
