@@ -18,7 +18,7 @@ impl Assembler {
                 FindingsError::broken(format!("job {seq}"), format!("{error:#}"))
             };
             let runs = self.store.all_runs(seq)?;
-            let Some(plan) = Plan::of_job(&runs, &self.store).map_err(failed)? else {
+            let Some(plan) = Plan::of_job(seq, &runs, &self.store).map_err(failed)? else {
                 return Err(FindingsError::NoReport(seq));
             };
             if counts.done < counts.total {

@@ -8,7 +8,7 @@ use swarm::spec::EngineKind;
 use crate::documents::{
     self, BuiltinArenas, ExpandedJob, ResolvedRun, SHORT_PHASE_METHOD, SHORT_PHASES, chapter_5,
 };
-use crate::store::{RunView, Store};
+use crate::store::{JobKey, RunView, Store};
 
 /// Most runs of a stored job that is looked at.
 const MAX_RUNS: usize = 20_000;
@@ -71,13 +71,18 @@ impl Settings {
     /// # Errors
     /// As [`Settings::job`].
     pub fn job_over(&self, fields: &Map<String, Value>) -> Result<ExpandedJob, Vec<FieldError>> {
+        documents::expand(&self.document(fields), &BuiltinArenas)
+    }
+
+    /// That job as it would be posted.
+    pub fn document(&self, fields: &Map<String, Value>) -> Value {
         let arenas: Vec<&str> = self.arenas.iter().map(String::as_str).collect();
         let mut base = Value::Object(fields.clone());
         base["epochs"] = self.epochs.into();
         base["steps_per_epoch"] = self.steps_per_epoch.into();
         let mut job = chapter_5(&arenas, base, self.seeds, self.rapier_seeds);
         job["name"] = documents::CHAPTER_5.into();
-        documents::expand(&job, &BuiltinArenas)
+        job
     }
 
     /// The settings of which these could be the runs, in the order of the job.
@@ -116,7 +121,7 @@ impl Plan {
     ///
     /// # Errors
     /// When the store fails or holds what cannot be read.
-    pub fn of_job(runs: &[RunView], store: &Store) -> anyhow::Result<Option<Self>> {
+    pub fn of_job(job: JobKey, runs: &[RunView], store: &Store) -> anyhow::Result<Option<Self>> {
         if runs.len() > MAX_RUNS {
             return Ok(None);
         }
@@ -128,15 +133,18 @@ impl Plan {
         let Some(settings) = Settings::of_runs(&specs) else {
             return Ok(None);
         };
-        let Ok(job) = settings.job() else {
-            return Ok(None);
-        };
-        let same = job
-            .runs
-            .iter()
-            .map(ResolvedRun::key)
-            .eq(runs.iter().map(|run| run.id.as_str()));
-        Ok(same.then(|| Self::new(settings, &job)))
+        let document = store.document(job)?;
+        let bases = [Map::new(), document.map(fields_of_all).unwrap_or_default()];
+        for base in bases {
+            let Ok(job) = settings.job_over(&base) else {
+                continue;
+            };
+            let keys = job.runs.iter().map(ResolvedRun::key);
+            if keys.eq(runs.iter().map(|run| run.id.as_str())) {
+                return Ok(Some(Self::new(settings, &job).over(base)));
+            }
+        }
+        Ok(None)
     }
 
     /// The runs of a job of these settings.
@@ -191,6 +199,18 @@ impl Plan {
              --rapier-seeds {rapier_seeds}{base}"
         )
     }
+}
+
+/// The `base` of a job's document without what settings say or each part has of its own.
+fn fields_of_all(document: String) -> Map<String, Value> {
+    let Ok(Value::Object(mut document)) = serde_json::from_str(&document) else {
+        return Map::new();
+    };
+    let Some(Value::Object(mut base)) = document.remove("base") else {
+        return Map::new();
+    };
+    base.retain(|field, _| !["epochs", "steps_per_epoch", "arena"].contains(&field.as_str()));
+    base
 }
 
 fn label(run: &ResolvedRun) -> String {

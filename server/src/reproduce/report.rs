@@ -75,12 +75,14 @@ impl Report {
 }
 
 fn verdict(claim: &claims::Claim) -> String {
-    let at_p10 = match claim.verdict_p10 {
+    let at = |level: &str, verdict: claims::Verdict| match verdict {
         claims::Verdict::NotTested => String::new(),
-        verdict => format!("p10 {}", verdict.name()),
+        verdict => format!("{level} {}", verdict.name()),
     };
+    let at_p10 = at("p10", claim.verdict_p10);
+    let over_time = at("over time", claim.verdict_over_time);
     format!(
-        "claim {:>2}: {:<12} {at_p10:<16} {}",
+        "claim {:>2}: {:<12} {at_p10:<16} {over_time:<22} {}",
         claim.claim,
         claim.verdict.name(),
         claim.text

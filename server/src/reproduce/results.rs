@@ -49,11 +49,17 @@ impl Finding {
     }
 
     /// Counted epochs until a share of the reachable squares had been entered, by p1 after each
-    /// epoch; one more than there are where it never was.
-    pub fn epochs_to(&self, share: f64) -> f64 {
+    /// epoch; `None` where it never was.
+    pub fn epochs_to(&self, share: f64) -> Option<usize> {
         let needed = share * f64::from(self.result.reachable);
-        let reached = self.p1_by_epoch.iter().position(|&p1| p1 >= needed);
-        reached.unwrap_or(self.p1_by_epoch.len()) as f64 + 1.0
+        let reached = self.p1_by_epoch.iter().position(|&p1| p1 >= needed)?;
+        Some(reached + 1)
+    }
+
+    /// p1 after each epoch, averaged over the epochs; 0 without epochs.
+    pub fn p1_over_time(&self) -> f64 {
+        let epochs = self.p1_by_epoch.len().max(1) as f64;
+        self.p1_by_epoch.iter().sum::<f64>() / epochs
     }
 
     /// p1 to p10 as shares of the reachable squares.
@@ -147,12 +153,17 @@ impl Findings {
         let mut text = String::from(
             "engine,arena,method,seed,p1,p2,p5,p10,reachable,\
              p1_fraction,p2_fraction,p5_fraction,p10_fraction,\
+             p1_over_time,t50_epochs,t90_epochs,\
              states,actions,model_pairs,model_divergence_nats\n",
         );
         for run in runs {
             let [p1, p2, p5, p10] = run.counts();
             let [f1, f2, f5, f10] = run.fractions();
             let clusters = &run.result.clusters;
+            let epochs_to = |share| match run.epochs_to(share) {
+                Some(epochs) => epochs.to_string(),
+                None => String::new(),
+            };
             let (pairs, nats) = run.result.model.map_or(Default::default(), |model| {
                 (
                     model.pairs.to_string(),
@@ -163,12 +174,15 @@ impl Findings {
             let _ = writeln!(
                 text,
                 "{},{},{},{},{p1},{p2},{p5},{p10},{},{f1:.6},{f2:.6},{f5:.6},{f10:.6},\
-                 {},{},{pairs},{nats}",
+                 {:.1},{},{},{},{},{pairs},{nats}",
                 run.engine.name(),
                 run.arena,
                 run.method,
                 run.seed,
                 run.result.reachable,
+                run.p1_over_time(),
+                epochs_to(0.5),
+                epochs_to(0.9),
                 clusters.sensor,
                 clusters.actuator
             );
@@ -257,7 +271,7 @@ mod tests {
         assert!(lines[0].starts_with("engine,arena,method,seed,p1,"));
         assert_eq!(
             lines[1],
-            "kinematic,easy,im,1,8,4,2,1,4000,0.002000,0.001000,0.000500,0.000250,0,0,,"
+            "kinematic,easy,im,1,8,4,2,1,4000,0.002000,0.001000,0.000500,0.000250,4.2,,,0,0,,"
         );
         assert!(
             lines[2].starts_with("kinematic,maze,im,2,4000,")

@@ -37,6 +37,28 @@ async fn a_job_of_chapter_5_has_a_report() {
     }
 }
 
+/// As is the template with a `base` beside it.
+#[tokio::test]
+async fn a_job_of_chapter_5_under_other_settings_has_a_report() {
+    let service = Service::start(None);
+    let job = service
+        .job(&json!({
+            "base": {
+                "epochs": 2, "steps_per_epoch": 20, "arena": "easy",
+                "controller": { "preset": "free" }, "robot": { "contact_friction": 0.75 }
+            },
+            "matrix": { "controller.method": crate::documents::CHAPTER_5_METHODS },
+            "seeds": { "first": 1, "count": 1 }
+        }))
+        .await;
+    service.wait_until(&job, "done").await;
+    let answer = service.get(&format!("{job}/report.md")).await;
+    assert_eq!(answer.status, 200);
+    let text = String::from_utf8_lossy(&answer.body).into_owned();
+    let settings = text.split_once("BASE.json, which").unwrap().1;
+    assert!(settings.contains("\"contact_friction\": 0.75"), "{settings}");
+}
+
 #[tokio::test]
 async fn another_job_has_none() {
     let service = Service::start(None);

@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use crate::reproduce::results::Finding;
+
 /// One claim and what came of it.
 #[derive(Debug, Serialize, JsonSchema)]
 pub struct Claim {
@@ -10,10 +12,12 @@ pub struct Claim {
     pub text: &'static str,
     /// How it is tested.
     pub how: String,
-    /// By all its tests but those at p10.
+    /// By its tests at p1 and those of something else than squares.
     pub verdict: Verdict,
     /// By its tests at p10; not tested where it has none.
     pub verdict_p10: Verdict,
+    /// By its tests of coverage over time; not tested where it has none.
+    pub verdict_over_time: Verdict,
     /// Why it is not tested, or what the verdict leaves out.
     pub reason: Option<String>,
     pub tests: Vec<Test>,
@@ -21,20 +25,35 @@ pub struct Claim {
 
 /// Which squares a test compares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "kebab-case")]
 pub enum Level {
     /// Those entered at least once, or something else than squares.
     P1,
     /// Those entered at least ten times.
     P10,
+    /// p1 after each epoch, averaged over the epochs: larger if the same squares come sooner.
+    OverTime,
 }
 
 impl Level {
+    /// Every one.
+    pub const ALL: [Self; 3] = [Self::P1, Self::P10, Self::OverTime];
+
     /// In words.
     pub fn name(self) -> &'static str {
         match self {
             Self::P1 => "p1",
             Self::P10 => "p10",
+            Self::OverTime => "p1 over time",
+        }
+    }
+
+    /// Squares of a run.
+    pub fn squares(self, run: &Finding) -> f64 {
+        match self {
+            Self::P1 => f64::from(run.result.p1),
+            Self::P10 => f64::from(run.result.p10),
+            Self::OverTime => run.p1_over_time(),
         }
     }
 }

@@ -40,13 +40,15 @@ pub fn claims(
     let mut brownian = table.least("brownian");
     brownian.extend(table.far_chamber_is_not_reached("brownian", radius_m)?);
     let chamber_mm = 1_000.0 * DEPTH_M;
+    let levels = "p1, p10, and p1 averaged over the epochs";
+    let on_each_arena = format!("{levels}, on each arena.");
     Ok(vec![
         claim(
             1,
             "Random motion covers least on every arena, and in no run gets to the farthest \
              chamber of the maze",
             format!(
-                "p1, and p10, against each other method on each arena; the runs that entered the chamber \
+                "{levels}, against each other method on each arena; the runs that entered the chamber \
                  are counted. The chamber is the reachable squares of the maze whose shortest way \
                  from the start over reachable squares is within {chamber_mm:.1} mm (a cell of \
                  the maze) of the longest such way; one run in it contradicts."
@@ -57,37 +59,38 @@ pub fn claims(
             2,
             "Ev-ITER-C and Ev-ITER-D beat intrinsic motivation alone, the more so the harder the \
              arena",
-            "p1, and p10, on each arena; then the lead of each seed's run over the im run of the same seed, \
-             as a share of the reachable squares, on the harder of two neighbouring arenas \
-             against the easier (easy, graph, maze)."
-                .to_owned(),
+            format!(
+                "{levels}, on each arena; then the lead at p1 of each seed's run over the im run of \
+                 the same seed, as a share of the reachable squares, on the harder of two \
+                 neighbouring arenas against the easier (easy, graph, maze)."
+            ),
             [table.beat(&EV_ITER, &["im"]), table.leads_grow("im")].concat(),
         ),
         claim(
             3,
             "Ev-ITER-C and Ev-ITER-D beat the controllers evolved for curiosity and discovery on \
              every arena, on the one they were trained in too",
-            "p1, and p10, on each arena.".to_owned(),
+            on_each_arena.clone(),
             table.beat(&EV_ITER, &["curiosity", "discovery"]),
         ),
         claim(
             4,
             "Intrinsic motivation alone beats the controllers evolved for actuator entropy on \
              every arena",
-            "p1, and p10, on each arena.".to_owned(),
+            on_each_arena.clone(),
             table.beat(&["im"], &["curiosity-a", "discovery-a"]),
         ),
         claim(
             5,
             "Among evolved controllers entropy beats differential entropy",
-            "p1, and p10, on each arena.".to_owned(),
+            on_each_arena.clone(),
             table.beat(&["curiosity"], &["discovery"]),
         ),
         claim(
             6,
             "Among evolved controllers the entropy of actuator data beats that of sensori-motor \
              data",
-            "p1, and p10, on each arena.".to_owned(),
+            on_each_arena.clone(),
             [
                 table.beat(&["curiosity-a"], &["curiosity"]),
                 table.beat(&["discovery-a"], &["discovery"]),
@@ -98,7 +101,7 @@ pub fn claims(
             7,
             "For Ev-ITER it makes no difference which of the two kinds of data phase 1 uses",
             format!(
-                "Equivalence: both one-sided tests on p1 with one sample moved by {} % of the \
+                "Equivalence: both one-sided tests on {levels} with one sample moved by {} % of the \
                  reachable squares, p the larger of the two. The opposite is a difference in \
                  either direction (twice the smaller p). No significant difference alone would \
                  not do: few runs never show one.",
@@ -126,7 +129,7 @@ pub fn claims(
         claim(
             9,
             "Ev-ITER gets worse with less than 200 epochs of phase 1",
-            "p1 of Ev-ITER-C on the maze, 200 epochs of phase 1 against 50 and 20.".to_owned(),
+            format!("{levels}, of Ev-ITER-C on the maze, 200 epochs of phase 1 against 50 and 20."),
             table.longer_phase_is_better(),
         ),
         claim(
@@ -157,17 +160,10 @@ fn claim(claim: u32, text: &'static str, how: String, tests: Vec<Test>) -> Claim
         how,
         verdict: Verdict::NotTested,
         verdict_p10: Verdict::NotTested,
+        verdict_over_time: Verdict::NotTested,
         reason: None,
         tests,
     }
-}
-
-fn p1(run: &Finding) -> f64 {
-    f64::from(run.result.p1)
-}
-
-fn p10(run: &Finding) -> f64 {
-    f64::from(run.result.p10)
 }
 
 struct Table<'a> {
@@ -188,11 +184,16 @@ impl Table<'_> {
         Claim { reason, ..claim }
     }
 
+    fn squares(&self, level: Level, arena: &str, method: &str) -> Vec<f64> {
+        self.findings
+            .values(arena, method, |run| level.squares(run))
+    }
+
     fn arenas(&self) -> impl Iterator<Item = &str> {
         self.settings.arenas.iter().map(String::as_str)
     }
 
-    /// A method against every other of the template, smaller p1 and p10 expected, on each arena.
+    /// A method against every other of the template, less expected at every level, on each arena.
     fn least(&self, method: &str) -> Vec<Test> {
         let others: Vec<&str> = CHAPTER_5_METHODS
             .into_iter()
@@ -201,16 +202,15 @@ impl Table<'_> {
         self.beat(&others, &[method])
     }
 
-    /// Each of some methods against each of others, larger p1 and p10 expected, on each arena.
+    /// Each of some methods against each of others, more expected at every level, on each arena.
     fn beat(&self, better: &[&str], worse: &[&str]) -> Vec<Test> {
         let mut tests = Vec::new();
-        for (level, squares) in [(Level::P1, p1 as fn(&Finding) -> f64), (Level::P10, p10)] {
+        for level in Level::ALL {
             let name = level.name();
             for arena in self.arenas() {
                 for one in better {
                     for other in worse {
-                        let x = self.findings.values(arena, one, squares);
-                        let y = self.findings.values(arena, other, squares);
+                        let [x, y] = [one, other].map(|method| self.squares(level, arena, method));
                         let hypothesis = format!("{name} of {one} > {name} of {other}");
                         tests.push(Test {
                             level,
@@ -262,10 +262,11 @@ impl Table<'_> {
 
     /// Two one-sided tests for a difference of less than the margin.
     fn equivalent(&self, one: &str, other: &str) -> Vec<Test> {
+        let arenas = || self.arenas();
         let mut tests = Vec::new();
-        for arena in self.arenas() {
-            let x = self.findings.values(arena, one, p1);
-            let y = self.findings.values(arena, other, p1);
+        for (level, arena) in Level::ALL.into_iter().flat_map(|l| arenas().map(move |a| (l, a))) {
+            let [x, y] = [one, other].map(|method| self.squares(level, arena, method));
+            let name = level.name();
             let reachable = self
                 .findings
                 .of(arena, one)
@@ -276,8 +277,10 @@ impl Table<'_> {
             let not_less = compare(&moved(margin), &y).p_greater;
             let not_more = compare(&moved(-margin), &y).p_less;
             let plain = compare(&x, &y);
-            let hypothesis = format!("p1 of {one} within {margin:.0} squares of p1 of {other}");
+            let hypothesis =
+                format!("{name} of {one} within {margin:.0} squares of {name} of {other}");
             tests.push(Test {
+                level,
                 test: "equivalence, two one-sided Mann-Whitney",
                 p: Some(not_less.max(not_more)),
                 p_opposite: Some((2.0 * plain.p_greater.min(plain.p_less)).min(1.0)),
@@ -306,18 +309,22 @@ impl Table<'_> {
         if !self.arenas().any(|arena| arena == SHORT_PHASE_ARENA) {
             return Vec::new();
         }
-        let values = |method: &str| self.findings.values(SHORT_PHASE_ARENA, method, p1);
-        let full = values(SHORT_PHASE_METHOD);
-        SHORT_PHASES
-            .into_iter()
-            .map(|epochs| {
+        let mut tests = Vec::new();
+        for level in Level::ALL {
+            let values = |method: &str| self.squares(level, SHORT_PHASE_ARENA, method);
+            let (name, full) = (level.name(), values(SHORT_PHASE_METHOD));
+            for epochs in SHORT_PHASES {
                 let short = values(&short_phase_label(epochs));
                 let hypothesis = format!(
-                    "p1 of {SHORT_PHASE_METHOD} with 200 epochs of phase 1 > with {epochs}"
+                    "{name} of {SHORT_PHASE_METHOD} with 200 epochs of phase 1 > with {epochs}"
                 );
-                mann_whitney(SHORT_PHASE_ARENA, hypothesis, &full, &short, "squares")
-            })
-            .collect()
+                tests.push(Test {
+                    level,
+                    ..mann_whitney(SHORT_PHASE_ARENA, hypothesis, &full, &short, "squares")
+                });
+            }
+        }
+        tests
     }
 
     /// Runs of a method that entered the maze's farthest chamber: none expected.

@@ -31,11 +31,14 @@ pub fn decide(claims: &mut [Claim]) -> usize {
         test.verdict = of_test(p, p_opposite);
     }
     for claim in claims {
-        let at = |p10: bool| {
+        let at = |level| {
             let tests = claim.tests.iter();
-            tests.filter(move |test| (test.level == Level::P10) == p10)
+            of_claim(tests.filter(move |test| test.level == level))
         };
-        (claim.verdict, claim.verdict_p10) = (of_claim(at(false)), of_claim(at(true)));
+        let [verdict, verdict_p10, verdict_over_time] = Level::ALL.map(at);
+        claim.verdict = verdict;
+        claim.verdict_p10 = verdict_p10;
+        claim.verdict_over_time = verdict_over_time;
     }
     number
 }
@@ -95,6 +98,7 @@ mod tests {
             how: String::new(),
             verdict: Verdict::NotTested,
             verdict_p10: Verdict::NotTested,
+            verdict_over_time: Verdict::NotTested,
             reason: None,
             tests,
         }
@@ -141,22 +145,29 @@ mod tests {
     }
 
     #[test]
-    fn p10_has_a_verdict_of_its_own() {
-        let at_p10 = Test {
-            level: Level::P10,
-            ..test(1e-6, 1.0 - 1e-6)
+    fn every_level_has_a_verdict_of_its_own() {
+        let at = |level, p: f64| Test {
+            level,
+            ..test(p, 1.0 - p)
         };
+        let good = 1e-6;
         let mut claims = [
-            claim(vec![test(0.4, 0.6), at_p10]),
-            claim(vec![test(1e-6, 1.0 - 1e-6)]),
+            claim(vec![
+                at(Level::P1, 0.4),
+                at(Level::P10, good),
+                at(Level::OverTime, 1.0 - good),
+            ]),
+            claim(vec![at(Level::P1, good)]),
         ];
-        assert_eq!(decide(&mut claims), 3);
+        assert_eq!(decide(&mut claims), 4);
+        let verdicts = claims
+            .each_ref()
+            .map(|c| [c.verdict, c.verdict_p10, c.verdict_over_time]);
+        let (yes, open) = (Verdict::Reproduced, Verdict::Inconclusive);
+        let untested = Verdict::NotTested;
         assert_eq!(
-            claims.each_ref().map(|c| (c.verdict, c.verdict_p10)),
-            [
-                (Verdict::Inconclusive, Verdict::Reproduced),
-                (Verdict::Reproduced, Verdict::NotTested),
-            ]
+            verdicts,
+            [[open, yes, Verdict::Contradicted], [yes, untested, untested]]
         );
     }
 
