@@ -111,7 +111,7 @@ fn carry_out(
     let plan = Plan::new(settings, &job).over(base);
     let store = Arc::new(Store::open(&out.join("data"))?);
     let runs = job.runs.len() as u64;
-    let seq = submit(&store, job, &plan)?;
+    let seq = submit(&store, job, &plan.settings.document(&plan.base))?;
     let before = find(&store, seq)?;
     let stepped_before = before.robot_steps_done;
     finish(&store, &before, runs, threads, stop)?;
@@ -164,12 +164,12 @@ struct ThisTime {
 
 /// Stores the job, unless an earlier execution has; what failed then is tried again. Jobs of other
 /// settings are held, so that only runs of this one are stepped.
-fn submit(store: &Store, job: ExpandedJob, plan: &Plan) -> anyhow::Result<JobKey> {
+fn submit(store: &Store, job: ExpandedJob, document: &Value) -> anyhow::Result<JobKey> {
     let ids: Vec<String> = job.runs.iter().map(|run| run.key()).collect();
     let ids = ids.join("\n");
     let mut request = JobRequest::new(ids.as_bytes(), None);
     request.idempotency_key = Some(request.sha256.clone());
-    request.document = Some(plan.settings.document(&plan.base).to_string());
+    request.document = Some(document.to_string());
     let created = store.create_job(&new_job(job, request), u64::MAX)?;
     let (Created::New(seq, _) | Created::Replayed(seq)) = created;
     let mut newest = None;
@@ -303,8 +303,8 @@ mod tests {
             epochs: 7,
             ..settings.clone()
         };
-        submit(&store, others.job().unwrap()).unwrap();
-        submit(&store, job.clone()).unwrap();
+        submit(&store, others.job().unwrap(), &others.document(&Map::new())).unwrap();
+        submit(&store, job.clone(), &settings.document(&Map::new())).unwrap();
         let failed = store.run(&failed.key()).unwrap().unwrap();
         store.fail(failed.seq, "for a test").unwrap();
         let mut run = swarm::run::Run::new(half.run_spec()).unwrap();

@@ -56,7 +56,10 @@ async fn a_job_of_chapter_5_under_other_settings_has_a_report() {
     assert_eq!(answer.status, 200);
     let text = String::from_utf8_lossy(&answer.body).into_owned();
     let settings = text.split_once("BASE.json, which").unwrap().1;
-    assert!(settings.contains("\"contact_friction\": 0.75"), "{settings}");
+    assert!(
+        settings.contains("\"contact_friction\": 0.75"),
+        "{settings}"
+    );
 }
 
 #[tokio::test]

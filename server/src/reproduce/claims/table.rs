@@ -264,7 +264,10 @@ impl Table<'_> {
     fn equivalent(&self, one: &str, other: &str) -> Vec<Test> {
         let arenas = || self.arenas();
         let mut tests = Vec::new();
-        for (level, arena) in Level::ALL.into_iter().flat_map(|l| arenas().map(move |a| (l, a))) {
+        for (level, arena) in Level::ALL
+            .into_iter()
+            .flat_map(|l| arenas().map(move |a| (l, a)))
+        {
             let [x, y] = [one, other].map(|method| self.squares(level, arena, method));
             let name = level.name();
             let reachable = self

@@ -167,7 +167,10 @@ mod tests {
         let untested = Verdict::NotTested;
         assert_eq!(
             verdicts,
-            [[open, yes, Verdict::Contradicted], [yes, untested, untested]]
+            [
+                [open, yes, Verdict::Contradicted],
+                [yes, untested, untested]
+            ]
         );
     }
 
