@@ -75,4 +75,4 @@ pub use validate::ValidSpec;
 
 /// Version of what runs find: raised, with a line in the changelog, whenever a spec and a seed give
 /// other results than before. It is part of every run's id.
-pub const RESULTS_VERSION: u32 = 2;
+pub const RESULTS_VERSION: u32 = 3;

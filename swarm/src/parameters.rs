@@ -168,31 +168,18 @@ macro_rules! named_choice {
 }
 
 /// Makes a parameter struct with its table: field, type, default, domain, unit, text, source.
-///
-/// Its `Debug` tells specs apart (`run/snapshot.rs`): fields named as `later` came after the first
-/// snapshots, and show only where they are not at their default, so that older digests stay.
+/// Its `Debug` tells specs apart (`run/snapshot.rs`).
 macro_rules! parameter_table {
-    ($(#[$meta:meta])* $name:ident $(later [$($later:literal),* $(,)?])? {
+    ($(#[$meta:meta])* $name:ident {
         $($field:ident: $ty:ty = $default:expr, $domain:expr, $unit:literal, $about:literal, $source:literal;)+
     }) => {
         $(#[$meta])*
-        #[derive(Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+        #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
         pub struct $name {
             $(#[doc = $about] #[doc = ""] #[doc = concat!("Unit: `", $unit, "`. Source: ", $source)] pub $field: $ty,)+
         }
         impl Default for $name {
             fn default() -> Self { Self { $($field: $default),+ } }
-        }
-        impl std::fmt::Debug for $name {
-            fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                let later: &[&str] = &[$($($later),*)?];
-                let plain = Self::default();
-                let mut shown = formatter.debug_struct(stringify!($name));
-                $(if self.$field != plain.$field || !later.contains(&stringify!($field)) {
-                    shown.field(stringify!($field), &self.$field);
-                })+
-                shown.finish()
-            }
         }
         impl $name {
             /// Every parameter, in the order in which it is documented.

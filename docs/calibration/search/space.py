@@ -7,10 +7,11 @@ import math
 
 # Readings of what an epsilon is and in which interval sensor values are clustered.
 READINGS = {
-    "signed": {},
-    "unsigned": {"sensor_scale": "unsigned"},
+    "signed": {"cluster_scale": "as-sensed"},
+    "unsigned": {"sensor_scale": "unsigned", "cluster_scale": "as-sensed"},
     "unsigned clusters": {"cluster_scale": "unsigned"},
-    "unsigned, diameter": {"sensor_scale": "unsigned", "epsilon_is": "diameter"},
+    "unsigned, diameter": {
+        "sensor_scale": "unsigned", "cluster_scale": "as-sensed", "epsilon_is": "diameter"},
     "unsigned clusters, diameter": {"cluster_scale": "unsigned", "epsilon_is": "diameter"},
 }
 

@@ -94,24 +94,24 @@ fn a_start_is_the_first_of_the_arena_and_of_the_training_arena() {
 #[test]
 fn a_preset_stands_where_nothing_is_said() {
     let with = |controller: Value| resolved(json!({ "controller": controller }));
-    let printed = with(json!({ "preset": "printed" })).run_spec();
-    let p = &printed.controller.parameters;
-    assert_eq!(*p, ControllerParameters::preset(ControllerPreset::Printed));
-    let mixed = with(json!({ "preset": "printed", "alpha": 0.1 })).run_spec();
+    let stepwise = with(json!({ "preset": "stepwise" })).run_spec();
+    let p = &stepwise.controller.parameters;
+    assert_eq!(*p, ControllerParameters::preset(ControllerPreset::Stepwise));
+    let mixed = with(json!({ "preset": "stepwise", "alpha": 0.1 })).run_spec();
     assert_eq!(mixed.controller.parameters.alpha, 0.1);
     assert_eq!(mixed.controller.parameters.slope, p.slope);
     // A preset is short for its values: the same run has the same id.
     let listed = controllers().controller_presets;
     let values = listed
         .iter()
-        .find(|preset| preset.name == "printed")
+        .find(|preset| preset.name == "stepwise")
         .unwrap();
     let spelt = with(serde_json::to_value(&values.parameters).unwrap());
-    assert_eq!(spelt.key(), with(json!({ "preset": "printed" })).key());
-    assert_eq!(
-        with(json!({ "preset": "default" })).key(),
-        with(json!({})).key()
-    );
+    assert_eq!(spelt.key(), with(json!({ "preset": "stepwise" })).key());
+    assert_ne!(spelt.key(), with(json!({})).key());
+    for name in ["default", "printed"] {
+        assert_eq!(with(json!({ "preset": name })).key(), with(json!({})).key());
+    }
     check(
         json!({ "controller": { "preset": "printd" } }),
         "/controller/preset",

@@ -9,7 +9,7 @@ use swarm::kept::reachable_from;
 
 use super::{Assembler, FindingsError};
 use crate::artifacts::{Maker, Material, RunFile};
-use crate::documents::{ResolvedRun, parse, resolve};
+use crate::documents::{ResolvedRun, resolve_stored};
 use crate::scheduler::{StoredArenas, View};
 use crate::store::{Findings, RunState, RunView};
 
@@ -127,8 +127,7 @@ impl Assembler {
     /// # Errors
     /// When the run is gone, or its spec is not valid any more.
     pub fn resolved(&self, run: &RunView) -> Result<ResolvedRun, FindingsError> {
-        parse(&self.spec_text(run)?)
-            .and_then(|value| resolve(&value, &StoredArenas::new(&self.store)))
+        resolve_stored(&self.spec_text(run)?, &StoredArenas::new(&self.store))
             .map_err(|errors| FindingsError::broken(format!("run {}", run.id), told(&errors)))
     }
 

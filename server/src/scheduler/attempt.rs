@@ -14,7 +14,7 @@ use super::live::{LiveRun, Views, findings_of};
 use super::spread::Spread;
 use crate::artifacts::{run_result, thread_cpu_s};
 use crate::channels::{AskError, Extent, External, FramePublisher};
-use crate::documents::{ResolvedRun, Stretch, parse, resolve};
+use crate::documents::{ResolvedRun, Stretch, resolve_stored};
 use crate::recording::{
     Begun, Keeper, SharedRecorder, Tail, begin, begin_at_origin, finish, first_whole_epoch, header,
 };
@@ -223,7 +223,7 @@ fn write(store: &Store, id: &str, checkpoint: &Checkpoint, tail: Option<Tail>) -
 }
 
 pub fn stored_spec(store: &Store, spec: &str) -> Result<ResolvedRun, Vec<FieldError>> {
-    resolve(&parse(spec)?, &super::StoredArenas::new(store))
+    resolve_stored(spec, &super::StoredArenas::new(store))
 }
 
 /// The run at its checkpoint; at its beginning when there is none that can be used, which for some

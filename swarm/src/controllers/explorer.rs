@@ -147,7 +147,7 @@ impl Controller for Explorer {
 mod tests {
     use super::*;
     use crate::random::{Purpose, Site, Stream, stream_key};
-    use crate::spec::Ties;
+    use crate::spec::{Insufficiency, Ties};
 
     const ACTIONS: u32 = 9;
 
@@ -155,8 +155,10 @@ mod tests {
     fn actions(ties: Ties) -> Vec<u32> {
         let parameters = ControllerParameters {
             ties,
+            insufficiency: Insufficiency::EveryAction,
             lambda: 2,
             eta: 0.0,
+            action_hold_steps: 1,
             ..Default::default()
         };
         let key = stream_key(1, Site::Target, 0, Purpose::Action);

@@ -173,8 +173,8 @@ mod tests {
             speed = drive.accelerate(speed, 1.0);
             steps += 1;
         }
-        // 6.28 rad/s at 10 rad/s2 and 0.064 s a step.
-        assert_eq!(steps, 10);
+        // 6.28 rad/s at 20 rad/s2 and 0.064 s a step.
+        assert_eq!(steps, 5);
         assert_eq!(drive.accelerate(speed, 5.0), speed);
         assert_eq!(
             drive.accelerate(speed, f32::NAN),

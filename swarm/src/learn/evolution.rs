@@ -173,7 +173,7 @@ mod tests {
     #[test]
     fn the_one_fifth_rule() {
         for (successes, sigma) in [(0, 0.2 / 1.22), (1, 0.2 / 1.22), (2, 0.2), (3, 0.2 * 1.22)] {
-            let mut evolution = evolution(|_| {});
+            let mut evolution = evolution(|p| p.success_window = 10);
             let mut fitness = 0.0;
             evolution.tell(fitness);
             for child in 0..10 {

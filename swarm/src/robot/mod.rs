@@ -23,7 +23,10 @@ named_choice! {
         Webots2022 = "webots-2022",
         /// The e-puck 2: faster wheels, lighter, otherwise `webots-2022`.
         EPuck2 = "epuck2",
-        /// `thesis` under Webots's kinematics mode as the table of its manual has it: robots slide
+        /// `thesis` with the wheels and contact that one change at a time had found: the defaults up to
+        /// version 2 of results.
+        Stepwise = "stepwise",
+        /// `stepwise` under Webots's kinematics mode as the table of its manual has it: robots slide
         /// along walls. (Of the two modes it alone limits the wheels' acceleration.)
         WebotsSliding = "webots-sliding",
         /// The same as the manual's text has it: walls are so rough that nothing slides.
@@ -40,10 +43,10 @@ parameter_table! {
         wheel_radius_m: f64 = 0.0205, Real { min: 0.001, max: 0.5 }, "m", "Wheel radius", "Webots 7 EPuck.proto";
         axle_m: f64 = 0.052, Real { min: 0.005, max: 2.0 }, "m", "Distance between the wheels", "Webots 7 EPuck.proto";
         max_wheel_speed_rad_s: f64 = 6.28, Real { min: 0.0, max: 1_000.0 }, "rad/s", "Top wheel speed, reached at command 1", "1000 ticks/s";
-        max_wheel_acceleration_rad_s2: f64 = 10.0, Real { min: 0.0, max: 1e6 }, "rad/s2", "Limit of the wheels' acceleration; 0 means none", "Webots DifferentialWheels";
-        wheel_slip: f64 = 0.0, Real { min: 0.0, max: 1.0 }, "1", "Uniform relative noise on each wheel's speed, plus or minus", "option";
-        contact_friction: f64 = 1.0, Real { min: 0.0, max: 100.0 }, "1", "Coulomb friction against walls and robots", "Webots ContactProperties";
-        contact_bounce: f64 = 0.0, Real { min: 0.0, max: 1.0 }, "1", "Restitution against walls and robots", "Webots ContactProperties";
+        max_wheel_acceleration_rad_s2: f64 = 20.0, Real { min: 0.0, max: 1e6 }, "rad/s2", "Limit of the wheels' acceleration; 0 means none", "docs/reproduction.md (Webots DifferentialWheels: 10)";
+        wheel_slip: f64 = 0.1, Real { min: 0.0, max: 1.0 }, "1", "Uniform relative noise on each wheel's speed, plus or minus", "Webots DifferentialWheels (slipNoise)";
+        contact_friction: f64 = 0.2, Real { min: 0.0, max: 100.0 }, "1", "Coulomb friction against walls and robots", "docs/reproduction.md (Webots ContactProperties: 1)";
+        contact_bounce: f64 = 0.5, Real { min: 0.0, max: 1.0 }, "1", "Restitution against walls and robots", "Webots ContactProperties";
         step_s: f64 = 0.064, Real { min: 0.001, max: 1.0 }, "s", "Control step", "Webots basic time step";
         sensor_noise: f64 = 1.0, Real { min: 0.0, max: 10.0 }, "1", "Factor on the sensors' standard deviation; 0 turns noise off", "option";
         ray_stretch: f64 = 1.013_05, Real { min: 1.0, max: 2.0 }, "1", "Length of a sensor's ray for each metre that it covers over the ground; 1 means level rays", "inferred: the one factor that gives all nine figures of the specification's hand check";
@@ -109,16 +112,21 @@ impl RobotModel {
             parameters.max_wheel_speed_rad_s = 7.536;
             parameters.mass_kg = 0.13;
         }
-        match preset {
-            Preset::WebotsSliding => parameters.contact_friction = 0.0,
-            Preset::WebotsRough => parameters.contact_friction = 100.0,
-            Preset::Thesis | Preset::Webots2022 | Preset::EPuck2 => {}
+        let friction = match preset {
+            Preset::Thesis | Preset::Webots2022 | Preset::EPuck2 => None,
+            Preset::Stepwise => Some(1.0),
+            Preset::WebotsSliding => Some(0.0),
+            Preset::WebotsRough => Some(100.0),
+        };
+        if let Some(friction) = friction {
+            parameters.contact_friction = friction;
+            parameters.contact_bounce = 0.0;
+            parameters.max_wheel_acceleration_rad_s2 = 10.0;
+            parameters.wheel_slip = 0.0;
         }
         let response = match preset {
-            Preset::Thesis | Preset::WebotsSliding | Preset::WebotsRough => {
-                SensorResponse::thesis()
-            }
             Preset::Webots2022 | Preset::EPuck2 => SensorResponse::webots_2022(),
+            _ => SensorResponse::thesis(),
         };
         Self {
             preset,

@@ -16,7 +16,7 @@ use crate::metrics::Value;
 use crate::robot::{Preset, RobotModel};
 use crate::spec::{
     ClusterScale, ControllerParameters, ControllerSpec, EngineKind, Episodes, EpsilonIs, Method,
-    Placement, RunSpec, Sharing, Training,
+    Placement, RunSpec, SensorScale, Sharing, Training,
 };
 use crate::validate::ValidSpec;
 use crate::world::Backend;
@@ -129,8 +129,9 @@ fn interrupted_equals_uninterrupted_under_other_readings() {
         let mut spec = spec(method);
         spec.episodes = Episodes::ContinueExploring;
         let parameters = &mut spec.controller.parameters;
-        parameters.command_levels = 3;
-        parameters.cluster_scale = ClusterScale::Unsigned;
+        parameters.command_levels = 5;
+        parameters.sensor_scale = SensorScale::Unsigned;
+        parameters.cluster_scale = ClusterScale::Signed;
         parameters.epsilon_is = EpsilonIs::Diameter;
         check_interrupted(&spec, 137);
     }
@@ -139,29 +140,28 @@ fn interrupted_equals_uninterrupted_under_other_readings() {
 /// Each reading of the thesis changes what a run comes to, and its default changes nothing.
 #[test]
 fn every_reading_makes_a_difference() {
-    let plain = finished(spec(Method::EvIterC)).state_sha256;
+    let plain = finished(spec(Method::EvIterC));
     let with = |set: fn(&mut RunSpec)| {
         let mut spec = spec(Method::EvIterC);
         set(&mut spec);
         finished(spec)
     };
     let others = [
-        with(|spec| spec.controller.parameters.command_levels = 3),
-        with(|spec| spec.controller.parameters.cluster_scale = ClusterScale::Unsigned),
+        with(|spec| spec.controller.parameters.cluster_scale = ClusterScale::Signed),
+        with(|spec| spec.controller.parameters.command_levels = 0),
         with(|spec| spec.controller.parameters.epsilon_is = EpsilonIs::Diameter),
         with(|spec| spec.episodes = Episodes::ContinueExploring),
         with(|spec| spec.robot = RobotModel::preset(Preset::WebotsSliding)),
         with(|spec| spec.robot = RobotModel::preset(Preset::WebotsRough)),
     ];
     for (place, other) in others.iter().enumerate() {
-        assert_ne!(other.state_sha256, plain, "{place}");
+        assert_ne!(other.state_sha256, plain.state_sha256, "{place}");
     }
     // Three levels a wheel are at most nine actions.
-    assert!(others[0].actuator_clusters <= 9);
-    let same = with(|spec| spec.controller.parameters.cluster_scale = ClusterScale::Signed);
+    assert!(plain.actuator_clusters <= 9 && others[1].actuator_clusters > 9);
+    let same = with(|spec| spec.controller.parameters.cluster_scale = ClusterScale::AsSensed);
     let states = |outcome: &Outcome| (outcome.sensor_clusters, outcome.coverage);
-    let of_default = finished(spec(Method::EvIterC));
-    assert_eq!(states(&same), states(&of_default));
+    assert_eq!(states(&same), states(&others[0]));
 }
 
 /// Epsilon in [0, 1] is twice as much in [-1, 1], and a diameter twice a radius.

@@ -52,8 +52,9 @@ fn world(ground: &Ground, model: &RobotModel, engine: EngineKind, starts: Vec<St
     World::new(ground, model, engine, starts, 1, Site::Target)
 }
 
+/// No noise, no slip, no bounce.
 fn quiet() -> RobotModel {
-    let mut model = RobotModel::default();
+    let mut model = RobotModel::preset(crate::robot::Preset::Stepwise);
     model.parameters.sensor_noise = 0.0;
     model
 }

@@ -106,6 +106,7 @@ fn a_fork_decides_by_its_own_parameters_from_where_it_begins() {
     let mut origin = spec(Method::EvIterC);
     origin.epochs = 6;
     origin.controller.parameters.lambda = 5;
+    origin.controller.parameters.lambda_total = 40;
     let mut run = run_of(origin.clone());
     while run.progress().epochs_done < 3 {
         run.advance(50);
@@ -124,7 +125,7 @@ fn a_fork_decides_by_its_own_parameters_from_where_it_begins() {
         &|spec| spec.epochs = 8,
         &|spec| spec.controller.parameters.alpha = 0.0,
         &|spec| spec.controller.parameters.eta = 0.9,
-        &|spec| spec.controller.parameters.insufficiency = Insufficiency::StateTotal,
+        &|spec| spec.controller.parameters.insufficiency = Insufficiency::EveryAction,
         &|spec| spec.controller.parameters.ties = Ties::Random,
         &|spec| spec.controller.parameters.action_hold_steps = 7,
     ];
