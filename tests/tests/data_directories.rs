@@ -127,6 +127,15 @@ fn is_older(server: &Server) -> bool {
     version(&runs) < version(&present)
 }
 
+/// What was paused starts again under today's version.
+fn forget_version_of_paused(runs: &mut Value) {
+    for run in runs["items"].as_array_mut().unwrap() {
+        if run["state"] == "paused" {
+            run.as_object_mut().unwrap().remove("results_version");
+        }
+    }
+}
+
 /// Compares every answer, but for those about a run that starts again.
 fn assert_answers(server: &Server, directory: &Path) {
     let is_older = is_older(server);
@@ -142,6 +151,9 @@ fn assert_answers(server: &Server, directory: &Path) {
         match serde_json::from_slice::<Value>(&old) {
             Ok(mut old) => {
                 let mut new: Value = answer.json();
+                if is_older && name.ends_with("-runs.json") {
+                    forget_version_of_paused(&mut old);
+                }
                 if is_older && name == "jobs.json" {
                     for page in [&mut old, &mut new] {
                         let jobs = page["items"].as_array_mut().unwrap();

@@ -61,7 +61,8 @@ fn agrees_with_itself(server: &Server, run: &RunSummary, epochs: u32) {
     assert!(result.p1 <= 10_000 && result.reachable > 3_000);
     let share = f64::from(result.p1) / f64::from(result.reachable);
     assert!(result.fractions.p1 <= share.min(1.0), "{result:?}");
-    assert!(result.fractions.p1 > 0.9 * share, "{result:?}");
+    // Squares at walls of which the centre can only be in a part are entered and may not count.
+    assert!(result.fractions.p1 > 0.8 * share, "{result:?}");
     assert_eq!(result.state_sha256.len(), 64);
     let spec: RunSpec = server.read(&path("/spec"));
     assert_eq!((spec.seed, spec.epochs), (Some(run.seed), Some(epochs)));

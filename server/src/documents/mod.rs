@@ -45,7 +45,7 @@ pub use record::{RecordRequest, RobotChoice, Stretch, asked as asked_recording, 
 pub use record_bytes::{MOST_RECORDING_BYTES, check_job_recordings};
 pub use resolve::resolve;
 pub use resolved::ResolvedRun;
-pub use stored::resolve_stored;
+pub use stored::{complete, resolve_stored};
 pub use template_list::templates;
 pub use templates::{
     CHAPTER_5, CHAPTER_5_METHODS, ENGINE_METHODS, SHORT_PHASE_ARENA, SHORT_PHASE_METHOD,

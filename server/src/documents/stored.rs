@@ -31,6 +31,19 @@ pub fn resolve_stored(
     resolve(&spec, arenas)
 }
 
+/// A stored spec with what it lacks, so that it means the same when it is posted again; one that
+/// is not valid any more as it is.
+pub fn complete(text: String, arenas: &dyn ArenaSource) -> String {
+    let has = |name: &str| text.contains(&format!("\"{name}\":"));
+    if before_they_came().iter().all(|(name, _)| has(name)) {
+        return text;
+    }
+    match resolve_stored(&text, arenas) {
+        Ok(run) => run.canonical_json(),
+        Err(_) => text,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
@@ -49,6 +62,11 @@ mod tests {
             controller.remove(name).unwrap();
         }
         let older = resolve_stored(&spec.to_string(), &BuiltinArenas).unwrap();
+        let shown = complete(spec.to_string(), &BuiltinArenas);
+        let posted_again = resolve(&parse(&shown).unwrap(), &BuiltinArenas).unwrap();
+        assert_eq!(posted_again.key(), older.key());
+        assert_eq!(complete(shown.clone(), &BuiltinArenas), shown);
+        assert_eq!(complete("{".into(), &BuiltinArenas), "{");
         let parameters = &older.run_spec().controller.parameters;
         assert_eq!(parameters.cluster_scale.name(), "as-sensed");
         assert_eq!(parameters.command_levels, 0);

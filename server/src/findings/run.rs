@@ -9,7 +9,7 @@ use swarm::kept::reachable_from;
 
 use super::{Assembler, FindingsError};
 use crate::artifacts::{Maker, Material, RunFile};
-use crate::documents::{ResolvedRun, resolve_stored};
+use crate::documents::{ResolvedRun, complete, resolve_stored};
 use crate::scheduler::{StoredArenas, View};
 use crate::store::{Findings, RunState, RunView};
 
@@ -112,14 +112,15 @@ impl Assembler {
             .unwrap_or_default())
     }
 
-    /// The run's spec as it is stored: every default filled in.
+    /// The run's spec with every default filled in, as it is stored or, where that is older than a
+    /// parameter, with what it meant.
     ///
     /// # Errors
     /// When the run is gone or the store fails.
     pub fn spec_text(&self, run: &RunView) -> Result<String, FindingsError> {
-        self.store
-            .spec(run.seq)?
-            .ok_or_else(|| FindingsError::RunGone(run.id.clone()))
+        let text = self.store.spec(run.seq)?;
+        let text = text.ok_or_else(|| FindingsError::RunGone(run.id.clone()))?;
+        Ok(complete(text, &StoredArenas::new(&self.store)))
     }
 
     /// The run's spec, resolved again.
