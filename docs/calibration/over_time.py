@@ -6,7 +6,7 @@ transition models over time (section 4.3.4), under the defaults.
 
 VENV has docs/calibration/search/requirements.txt. A run of fewer epochs is the beginning of a longer
 one to the last bit, so a run of each length shows what a run had come to. DIR gets over-time.csv,
-where runs that it has are not run again, over-time.md and maps-ARENA.svg.
+where runs that it has are not run again, over-time.md and maps-ARENA.png.
 """
 
 import argparse
@@ -21,8 +21,7 @@ from concurrent.futures import ThreadPoolExecutor
 import matplotlib
 import numpy
 
-matplotlib.use("svg")
-matplotlib.rcParams["svg.hashsalt"] = "evswarm"
+matplotlib.use("agg")
 from matplotlib import pyplot  # noqa: E402  (after the choice of what draws)
 
 ARENAS = ("easy", "graph", "maze")
@@ -62,7 +61,7 @@ def draw(out, arena):
             axis.set_xticks([])
             axis.set_yticks([])
     figure.tight_layout()
-    figure.savefig(out / f"maps-{arena}.svg", metadata={"Date": None})
+    figure.savefig(out / f"maps-{arena}.png", dpi=110)
     pyplot.close(figure)
 
 
