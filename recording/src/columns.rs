@@ -7,7 +7,7 @@ use crate::error::RecordingError;
 use crate::header::Header;
 use crate::layout::Layout;
 use crate::planes::{Numbers, put_signed};
-use crate::predict::{Directions, Reckoning};
+use crate::predict::{Directions, Guess, Reckoning};
 use crate::samples::Samples;
 use crate::units::SENSORS;
 
@@ -30,7 +30,7 @@ pub fn follow(
     directions: &Directions,
     expect: Expect,
     row: Row<'_>,
-    mut actual: impl FnMut(usize, [i32; 3]) -> Result<[i32; 3], RecordingError>,
+    mut actual: impl FnMut(usize, Guess) -> Result<[i32; 3], RecordingError>,
 ) -> Result<(), RecordingError> {
     let mut reckoning = Reckoning::new(&header.drive, directions);
     let (mut start, mut before) = ([0; 3], [0; 3]);
@@ -38,9 +38,9 @@ pub fn follow(
         let begins = layout.begins_epoch(row.first + sample as u64);
         let put_back = begins && header.resets;
         let expected = match expect {
-            _ if put_back => start,
-            _ if begins || sample == 0 => before,
-            Expect::Same => before,
+            _ if put_back => Guess::still(start),
+            _ if begins || sample == 0 => Guess::still(before),
+            Expect::Same => Guess::still(before),
             Expect::Reckoned => reckoning.step([row.left[sample], row.right[sample]]),
         };
         let is = actual(sample, expected)?;
@@ -98,9 +98,8 @@ pub fn pose_planes(
             of_row,
             |sample, expected| {
                 let is = is(sample);
-                for axis in 0..3 {
-                    let off = is[axis].wrapping_sub(expected[axis]);
-                    put_signed(&mut planes[axis], off);
+                for (plane, off) in planes.iter_mut().zip(expected.off(is)) {
+                    put_signed(plane, off);
                     cost += bits(off);
                 }
                 Ok(is)
@@ -147,12 +146,15 @@ pub fn read_poses(
 fn read_pose(
     numbers: &mut [Numbers<'_>; 3],
     poses: &mut [Vec<i32>; 3],
-    expected: [i32; 3],
+    expected: Guess,
 ) -> Result<[i32; 3], RecordingError> {
-    let mut is = [0; 3];
-    for axis in 0..3 {
-        is[axis] = expected[axis].wrapping_add(numbers[axis].next_signed()?);
-        poses[axis].push(is[axis]);
+    let mut off = [0; 3];
+    for (off, numbers) in off.iter_mut().zip(numbers) {
+        *off = numbers.next_signed()?;
+    }
+    let is = expected.corrected(off);
+    for (column, value) in poses.iter_mut().zip(is) {
+        column.push(value);
     }
     Ok(is)
 }
@@ -175,8 +177,8 @@ pub fn object_planes(
             object_row(samples),
             |sample, expected| {
                 let is = [0, 1, 2].map(|axis: usize| samples.object_pose[axis][from + sample]);
-                for axis in 0..3 {
-                    put_signed(&mut planes[axis], is[axis].wrapping_sub(expected[axis]));
+                for (plane, off) in planes.iter_mut().zip(expected.off(is)) {
+                    put_signed(plane, off);
                 }
                 Ok(is)
             },

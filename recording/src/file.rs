@@ -15,7 +15,7 @@ use crate::layout::Layout;
 use crate::raw::Raw;
 use crate::samples::Samples;
 
-pub(crate) const MAGIC: [u8; 8] = *b"EVSWREC1";
+pub(crate) const MAGIC: [u8; 8] = *b"EVSWREC2";
 pub(crate) const END_MAGIC: [u8; 8] = *b"EVSWEND1";
 /// Most bytes of a header.
 pub(crate) const MOST_HEADER_BYTES: u32 = 1 << 28;

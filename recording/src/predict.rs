@@ -37,6 +37,56 @@ impl Directions {
     }
 }
 
+/// Where something is expected, and which way it is taken to move.
+#[derive(Clone, Copy, Debug)]
+pub struct Guess {
+    at: [i32; 3],
+    along: [f64; 2],
+}
+
+impl Guess {
+    /// Where it was.
+    pub fn still(at: [i32; 3]) -> Self {
+        Self {
+            at,
+            along: [1.0, 0.0],
+        }
+    }
+
+    /// What a pose is off: on the axis that is nearer to the way; on the other, less what goes
+    /// with that; of the heading. Wheels that slip leave the second near 0.
+    pub fn off(&self, is: [i32; 3]) -> [i32; 3] {
+        let off = |axis: usize| is[axis].wrapping_sub(self.at[axis]);
+        let (first, second, slope) = self.axes();
+        let along = off(first);
+        [along, off(second).wrapping_sub(aside(along, slope)), off(2)]
+    }
+
+    /// The pose that is off by so much.
+    pub fn corrected(&self, [along, beside, turned]: [i32; 3]) -> [i32; 3] {
+        let (first, second, slope) = self.axes();
+        let mut is = self.at;
+        is[first] = is[first].wrapping_add(along);
+        is[second] = is[second].wrapping_add(aside(along, slope).wrapping_add(beside));
+        is[2] = is[2].wrapping_add(turned);
+        is
+    }
+
+    /// The axis nearer to the way, the other, and how much of the other goes with the first.
+    fn axes(&self) -> (usize, usize, f64) {
+        let [cos, sin] = self.along;
+        if cos.abs() >= sin.abs() {
+            (0, 1, sin / cos)
+        } else {
+            (1, 0, cos / sin)
+        }
+    }
+}
+
+fn aside(along: i32, slope: f64) -> i32 {
+    nearest(f64::from(along) * slope)
+}
+
 /// A robot that is followed.
 pub struct Reckoning<'a> {
     directions: &'a Directions,
@@ -86,7 +136,7 @@ impl<'a> Reckoning<'a> {
     }
 
     /// Where it is expected after a step with these commands, in ticks.
-    pub fn step(&mut self, command: [i16; 2]) -> [i32; 3] {
+    pub fn step(&mut self, command: [i16; 2]) -> Guess {
         for (speed, ticks) in self.wheels_rad_s.iter_mut().zip(command) {
             let wanted = f64::from(ticks) / TICKS_PER_COMMAND * self.top_speed_rad_s - *speed;
             let limit = self.acceleration_rad_s_step;
@@ -102,12 +152,15 @@ impl<'a> Reckoning<'a> {
         self.at[0] += way * cos;
         self.at[1] += way * sin;
         self.at[2] = wrapped(self.at[2] + turn);
-        self.at.map(nearest)
+        Guess {
+            at: self.at.map(nearest),
+            along: [cos, sin],
+        }
     }
 
     /// Corrects what was expected by what was.
-    pub fn correct(&mut self, expected: [i32; 3], actual: [i32; 3]) {
-        for ((at, expected), actual) in self.at.iter_mut().zip(expected).zip(actual) {
+    pub fn correct(&mut self, expected: Guess, actual: [i32; 3]) {
+        for ((at, expected), actual) in self.at.iter_mut().zip(expected.at).zip(actual) {
             if expected != actual {
                 *at = f64::from(actual);
             }

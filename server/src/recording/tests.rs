@@ -155,7 +155,7 @@ fn a_recording_that_does_not_reach_to_the_checkpoint_is_not_gone_on_with() {
     run.advance(100);
     let open = |paths: &Paths| Recorder::open(header_of(&spec), paths, &run, u64::MAX);
     assert!(matches!(open(&paths), Err(OpenError::Short)));
-    fs::write(&paths.part, b"EVSWREC1 and nothing").unwrap();
+    fs::write(&paths.part, b"EVSWREC2 and nothing").unwrap();
     assert!(matches!(open(&paths), Err(OpenError::Short)));
 }
 

@@ -4,7 +4,6 @@ use std::ops::{Deref, DerefMut};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicU64;
 use std::sync::atomic::Ordering::Relaxed;
-use std::time::Duration;
 
 use parking_lot::{Mutex, MutexGuard};
 use rusqlite::Connection;
@@ -12,7 +11,7 @@ use rusqlite::Connection;
 use super::checkpoints::Checkpoints;
 use super::error::StoreError;
 use super::finals::Finals;
-use super::readers::{Reader, Readers};
+use super::readers::{Reader, Readers, set_up};
 use super::recordings::Recordings;
 use super::{lock, look, migrations, private};
 
@@ -67,9 +66,7 @@ impl Store {
         connection.pragma_update(None, "journal_mode", "WAL")?;
         connection.pragma_update(None, "synchronous", "FULL")?;
         connection.pragma_update(None, "foreign_keys", "ON")?;
-        connection.pragma_update(None, "cache_size", -CACHE_KIB)?;
-        connection.busy_timeout(Duration::from_secs(10))?;
-        connection.set_prepared_statement_cache_capacity(64);
+        set_up(&connection, CACHE_KIB)?;
         look::through(&path, &connection)?;
         migrations::run(&mut connection)?;
         Ok(Self {

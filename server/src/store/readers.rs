@@ -6,6 +6,7 @@ use std::path::Path;
 use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::Duration;
 
+use rusqlite::config::DbConfig;
 use rusqlite::{Connection, OpenFlags};
 
 /// Requests that read at a time; more wait for these, each a few milliseconds.
@@ -13,6 +14,17 @@ const READERS: usize = 4;
 
 /// Most memory for pages of each, KiB.
 const CACHE_KIB: i64 = 16 << 10;
+
+/// What every connection has.
+pub(super) fn set_up(connection: &Connection, cache_kib: i64) -> rusqlite::Result<()> {
+    connection.pragma_update(None, "cache_size", -cache_kib)?;
+    connection.busy_timeout(Duration::from_secs(10))?;
+    connection.set_prepared_statement_cache_capacity(64);
+    // Otherwise statements are prepared again whenever a parameter that statistics could be asked
+    // about is bound; there are no statistics.
+    connection.set_db_config(DbConfig::SQLITE_DBCONFIG_ENABLE_QPSG, true)?;
+    Ok(())
+}
 
 /// A few connections, lent one at a time.
 pub struct Readers {
@@ -33,9 +45,7 @@ impl Readers {
         let open = |_| {
             let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
             let connection = Connection::open_with_flags(path, flags)?;
-            connection.pragma_update(None, "cache_size", -CACHE_KIB)?;
-            connection.busy_timeout(Duration::from_secs(10))?;
-            connection.set_prepared_statement_cache_capacity(64);
+            set_up(&connection, CACHE_KIB)?;
             Ok(connection)
         };
         Ok(Self {

@@ -60,6 +60,11 @@ impl Babbler {
         }
     }
 
+    /// Whether saved parts fit together, under these caps.
+    pub fn is_sound(&self, plan: &MemoryPlan) -> bool {
+        self.watch.is_sound(plan)
+    }
+
     /// Takes from the parameters what is not saved.
     pub fn set_up(&mut self, p: &ControllerParameters) {
         self.settings = Settings::of(p);

@@ -10,10 +10,11 @@ use crate::bodies::Reading;
 use crate::caps::MemoryPlan;
 use crate::dimensions::{SENSORI_MOTOR, WHEELS};
 use crate::learn::archive::Archive;
+use crate::learn::are_sound;
 use crate::learn::epsilon_clustering::EpsilonClustering;
 use crate::learn::evolution::Evolution;
 use crate::learn::objective::{curiosity, discovery};
-use crate::learn::perceptron::{Perceptron, WEIGHTS};
+use crate::learn::perceptron::{MOST_SLOPE, Perceptron, WEIGHTS};
 use crate::random::Stream;
 use crate::spec::{ControllerParameters, Objective, SensorScale};
 
@@ -107,6 +108,27 @@ impl Crawler {
                 1
             },
         )
+    }
+
+    /// Whether other robots' genomes can be told to it.
+    pub fn hears(&self) -> bool {
+        !self.heard.is_empty()
+    }
+
+    /// Whether saved parts fit together, under these caps.
+    pub fn is_sound(&self, plan: &MemoryPlan) -> bool {
+        let (sensori_motor, actuators) = Self::caps(self.objective, plan, self.watches());
+        let archive = self.archive.as_ref();
+        self.slope.abs() <= MOST_SLOPE
+            && self.perceptron.is_sound()
+            && self.evolution.is_sound()
+            && self.sensori_motor.is_sound(sensori_motor)
+            && self.actuators.is_sound(actuators)
+            && archive.is_some() == self.watches()
+            && archive.is_none_or(|archive| archive.is_sound(plan.genomes))
+            && self.watch.as_ref().is_none_or(|watch| watch.is_sound(plan))
+            && [0, WEIGHTS].contains(&self.heard.len())
+            && are_sound(&self.heard)
     }
 
     /// Takes from the parameters what is not saved.

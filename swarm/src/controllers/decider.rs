@@ -6,6 +6,7 @@ use super::codebook::Codebook;
 use super::scaling::Scaling;
 use crate::bodies::Reading;
 use crate::dimensions::WHEELS;
+use crate::learn::are_sound;
 use crate::learn::repository::Repository;
 use crate::learn::transition::Transition;
 use crate::random::{below, draw};
@@ -61,6 +62,16 @@ impl Decider {
         self.hold_steps = p.action_hold_steps;
         self.ties = p.ties;
         self.held_steps = self.held_steps.min(p.action_hold_steps - 1);
+    }
+
+    /// Whether what was saved stands in such a table.
+    pub fn is_sound(&self, codebook: &Codebook) -> bool {
+        let (states, actions) = codebook.counts();
+        self.hold_steps > 0
+            && [self.state, self.last.state].iter().all(|i| *i < states)
+            && [self.action, self.last.action].iter().all(|j| *j < actions)
+            && self.last.next < states
+            && are_sound(&self.command)
     }
 
     /// Starts a trajectory from the sensors read at its beginning.

@@ -37,6 +37,13 @@ impl Explorer {
         }
     }
 
+    /// Whether saved parts fit together.
+    pub fn is_sound(&self) -> bool {
+        self.repository.is_sound()
+            && self.codebook.counts() == (self.repository.states(), self.repository.actions())
+            && self.decider.is_sound(&self.codebook)
+    }
+
     /// Takes the parameters of decisions from another set.
     pub fn retune(&mut self, p: &ControllerParameters) {
         self.decider.retune(p);

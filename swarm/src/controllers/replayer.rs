@@ -13,7 +13,7 @@ use crate::bodies::Reading;
 use crate::caps::MemoryPlan;
 use crate::dimensions::WHEELS;
 use crate::learn::archive::Archive;
-use crate::learn::perceptron::Perceptron;
+use crate::learn::perceptron::{MOST_SLOPE, Perceptron};
 use crate::spec::ControllerParameters;
 
 /// A robot in phase 2.
@@ -52,6 +52,14 @@ impl Replayer {
     /// Takes from the parameters what is not saved.
     pub fn set_up(&mut self, p: &ControllerParameters) {
         self.levels = CommandLevels::new(p.command_levels);
+    }
+
+    /// Whether saved parts fit together, under these caps.
+    pub fn is_sound(&self, plan: &MemoryPlan) -> bool {
+        self.slope.abs() <= MOST_SLOPE
+            && self.perceptron.is_sound()
+            && self.archive.is_sound(plan.genomes)
+            && self.explorer.is_sound()
     }
 
     fn load(&mut self) {

@@ -60,6 +60,21 @@ impl SharedTableExplorers {
         }
     }
 
+    /// Whether saved parts fit together.
+    pub fn is_sound(&self) -> bool {
+        let Common {
+            codebook,
+            repository,
+        } = &self.common;
+        repository.is_sound()
+            && codebook.counts() == (repository.states(), repository.actions())
+            && self.clusters_saturated.len() == self.deciders.len()
+            && self
+                .deciders
+                .iter()
+                .all(|decider| decider.is_sound(codebook))
+    }
+
     /// Takes the parameters of decisions from another set.
     pub fn retune(&mut self, p: &ControllerParameters) {
         for decider in &mut self.deciders {

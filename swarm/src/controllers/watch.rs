@@ -37,6 +37,13 @@ impl Watch {
         }
     }
 
+    /// Whether saved parts fit together, under these caps.
+    pub fn is_sound(&self, plan: &MemoryPlan) -> bool {
+        self.sensors.is_sound(plan.sensor_clusters)
+            && self.actuators.is_sound(plan.actuator_clusters)
+            && self.sample.is_sound(plan.sample)
+    }
+
     /// Takes in a sensor vector and the command given in answer to it.
     #[inline(always)]
     pub fn observe(&mut self, sensors: &[f32; PROXIMITY_SENSORS], command: [f32; WHEELS]) {

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::are_sound;
 use super::centres::Centres;
 use crate::dimensions::WHEELS;
 use crate::prefetch::prefetch;
@@ -41,6 +42,9 @@ impl TryFrom<Saved> for ActuatorSamples {
         let wanted = offered.len().checked_mul(cap as usize);
         if cap == 0 || wanted != Some(commands.len()) {
             return Err("commands of actions do not fit their number");
+        }
+        if !are_sound(commands.as_flattened()) {
+            return Err("commands of actions are out of range");
         }
         Ok(Self {
             cap,

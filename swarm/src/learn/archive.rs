@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::are_sound;
 use super::perceptron::WEIGHTS;
 
 /// Genomes that memory is taken for at once.
@@ -53,6 +54,14 @@ impl Archive {
             self.fitness[least] = fitness;
             self.genomes[least * WEIGHTS..][..WEIGHTS].copy_from_slice(genome);
         }
+    }
+
+    /// Whether saved parts fit together, in an archive of at most `cap`.
+    pub fn is_sound(&self, cap: u32) -> bool {
+        self.cap == cap.max(1)
+            && self.fitness.len() <= self.cap as usize
+            && self.genomes.len() == self.fitness.len() * WEIGHTS
+            && are_sound(&self.genomes)
     }
 
     /// Genomes that memory is taken for when so many are held.

@@ -4,19 +4,22 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::flat;
+use super::{are_sound, flat};
 use crate::lanes::{F8, LANES, U8};
 use crate::prefetch::prefetch;
 
 /// Coordinate of the lanes that hold no centre: farther than anything, its square still finite.
 const FAR: f32 = 1e18;
 
+/// Most centres that saved state may have room for: points of the largest sample.
+const MOST: u32 = 1_000_000;
+
 /// At most `cap` centres of `D` coordinates.
 ///
 /// Blocks of eight centres, dimension by dimension inside a block. All memory is taken when it is
 /// made; a snapshot holds the centres alone.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(into = "Stored<D>", from = "Stored<D>")]
+#[serde(into = "Stored<D>", try_from = "Stored<D>")]
 pub struct Centres<const D: usize> {
     blocks: Vec<[F8; D]>,
     len: u32,
@@ -39,14 +42,17 @@ impl<const D: usize> From<Centres<D>> for Stored<D> {
     }
 }
 
-impl<const D: usize> From<Stored<D>> for Centres<D> {
-    fn from(stored: Stored<D>) -> Self {
-        let mut centres = Centres::new(stored.cap.max(stored.centres.len() as u32));
-        stored
-            .centres
-            .iter()
-            .for_each(|centre| centres.push(centre));
-        centres
+impl<const D: usize> TryFrom<Stored<D>> for Centres<D> {
+    type Error = &'static str;
+
+    fn try_from(stored: Stored<D>) -> Result<Self, Self::Error> {
+        if stored.centres.len() > stored.cap as usize || stored.cap > MOST {
+            return Err("more centres than there can be");
+        }
+        if !are_sound(stored.centres.as_flattened()) {
+            return Err("centres are out of range");
+        }
+        Ok(Self::with(stored.cap, &stored.centres))
     }
 }
 
@@ -63,11 +69,18 @@ impl<const D: usize> Centres<D> {
 
     /// Exactly these centres, in this order.
     pub fn from_points(points: &[[f32; D]]) -> Self {
-        Stored {
-            cap: points.len() as u32,
-            centres: points.to_vec(),
-        }
-        .into()
+        Self::with(points.len() as u32, points)
+    }
+
+    fn with(cap: u32, points: &[[f32; D]]) -> Self {
+        let mut centres = Centres::new(cap);
+        points.iter().for_each(|point| centres.push(point));
+        centres
+    }
+
+    /// Most centres that there is room for.
+    pub fn cap(&self) -> u32 {
+        self.cap
     }
 
     /// Number of centres.

@@ -55,6 +55,14 @@ impl<const D: usize> EpsilonClustering<D> {
         }
     }
 
+    /// Whether saved parts fit together, and have room for so many clusters.
+    pub fn is_sound(&self, cap: u32) -> bool {
+        let room = self.centres.cap() as usize;
+        room == cap as usize
+            && [self.trajectory.len(), self.archive.len()] == [room; 2]
+            && self.epsilon_squared.is_finite()
+    }
+
     /// The clusters' centres.
     pub fn centres(&self) -> &Centres<D> {
         &self.centres

@@ -3,8 +3,12 @@
 use serde::{Deserialize, Serialize};
 
 use super::perceptron::WEIGHTS;
+use super::{FARTHEST, are_sound};
 use crate::random::Stream;
 use crate::spec::ControllerParameters;
+
+/// Largest mutation step, so that weights stay numbers whatever the factor of the one-fifth rule.
+const MOST_SIGMA: f64 = 1e6;
 
 /// A parent and its mutated child: ask for the [`Self::candidate`], evaluate it, [`Self::tell`].
 ///
@@ -55,6 +59,20 @@ impl Evolution {
         };
         evolution.begin();
         evolution
+    }
+
+    /// Whether saved parts fit together.
+    pub fn is_sound(&self) -> bool {
+        let spreads = [self.initial_deviation, self.initial_sigma, self.sigma];
+        let genomes = [&self.parent, &self.candidate];
+        genomes
+            .iter()
+            .all(|genome| genome.len() == WEIGHTS && are_sound(*genome))
+            && spreads
+                .iter()
+                .all(|spread| (0.0..=MOST_SIGMA).contains(spread))
+            && (1.0..=MOST_SIGMA).contains(&self.sigma_factor)
+            && self.parent_fitness.is_none_or(f64::is_finite)
     }
 
     /// The genome to evaluate next: [`WEIGHTS`] weights.
@@ -110,7 +128,9 @@ impl Evolution {
             return;
         }
         match (5 * u64::from(self.window_successes)).cmp(&u64::from(self.window_children)) {
-            std::cmp::Ordering::Greater => self.sigma *= self.sigma_factor,
+            std::cmp::Ordering::Greater => {
+                self.sigma = (self.sigma * self.sigma_factor).min(MOST_SIGMA);
+            }
             std::cmp::Ordering::Less => self.sigma /= self.sigma_factor,
             std::cmp::Ordering::Equal => {}
         }
@@ -131,7 +151,8 @@ impl Evolution {
 
     fn mutate(&mut self) {
         for (weight, of_parent) in self.candidate.iter_mut().zip(&self.parent) {
-            *weight = (f64::from(*of_parent) + self.sigma * self.stream.normal()) as f32;
+            let mutated = (f64::from(*of_parent) + self.sigma * self.stream.normal()) as f32;
+            *weight = mutated.clamp(-FARTHEST, FARTHEST);
         }
     }
 

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::are_sound;
 use super::sigmoid::{logistic_of_double, tanh};
 use crate::dimensions::{PROXIMITY_SENSORS, WHEELS};
 use crate::lanes::{F8, LANES};
@@ -12,6 +13,9 @@ pub const HIDDEN: usize = 10;
 const OUTPUTS: usize = WHEELS;
 /// Hidden units padded to whole lanes.
 const PADDED: usize = 2 * LANES;
+
+/// Steepest sigmoid.
+pub const MOST_SLOPE: f64 = 100.0;
 
 /// Weights of the perceptron, biases included.
 pub const WEIGHTS: usize = HIDDEN * (INPUTS + 1) + OUTPUTS * (HIDDEN + 1);
@@ -36,6 +40,11 @@ impl Perceptron {
             hidden: [[0.0; PADDED]; INPUTS + 1],
             output: [[0.0; OUTPUTS]; HIDDEN + 1],
         }
+    }
+
+    /// Whether saved weights can be reckoned with.
+    pub fn is_sound(&self) -> bool {
+        are_sound(self.hidden.as_flattened()) && are_sound(self.output.as_flattened())
     }
 
     /// Takes the weights of a genome.

@@ -466,6 +466,8 @@ fn first_maximum(scores: &[f32]) -> usize {
     best
 }
 
+mod sound;
+
 #[cfg(test)]
 #[path = "repository_tests.rs"]
 mod tests;

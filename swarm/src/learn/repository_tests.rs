@@ -51,6 +51,7 @@ impl Naive {
     }
 
     fn check(&self, repository: &Repository, parameters: &ControllerParameters) {
+        assert!(repository.is_sound());
         let na = repository.actions();
         for (i, row) in self.lists.iter().enumerate() {
             let state = i as u32;

@@ -4,7 +4,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::flat;
+use super::{are_sound, flat};
 use crate::random::Stream;
 
 /// At most `cap` of the vectors offered, each with the same chance of being among them.
@@ -61,6 +61,13 @@ impl<const D: usize> Reservoir<D> {
         self.largest_key *= libm::exp(log_key / f64::from(self.cap));
         let log_gap = libm::log(1.0 - self.stream.uniform());
         self.skip = libm::floor(log_gap / libm::log1p(-self.largest_key)) as u64;
+    }
+
+    /// Whether saved parts fit together, in a sample of at most `cap`.
+    pub fn is_sound(&self, cap: u32) -> bool {
+        self.cap == cap
+            && self.sample.len() <= cap as usize
+            && are_sound(self.sample.as_flattened())
     }
 
     /// The sample, in no order that means anything.

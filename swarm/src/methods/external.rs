@@ -9,6 +9,7 @@ use crate::bodies::Reading;
 use crate::controllers::Controller;
 use crate::dimensions::WHEELS;
 use crate::engine::drive::to_tick;
+use crate::learn::are_sound;
 use crate::parameters::Domain::Whole;
 use crate::parameters::parameter_table;
 use crate::spec::{Method, MethodParameters, RunSpec};
@@ -67,6 +68,10 @@ impl Walker for External {
         Self {
             command: [0.0; WHEELS],
         }
+    }
+
+    fn is_sound(&self) -> bool {
+        are_sound(&self.command)
     }
 }
 

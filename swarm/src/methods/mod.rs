@@ -89,6 +89,13 @@ macro_rules! walkers {
                 }
             }
 
+            /// Whether saved robots have numbers that can be reckoned with.
+            pub fn are_sound(&self) -> bool {
+                match self {
+                    $(Self::$method(controllers) => controllers.iter().all(Walker::is_sound)),+
+                }
+            }
+
             /// Robots.
             pub fn len(&self) -> usize {
                 match self {

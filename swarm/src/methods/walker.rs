@@ -9,6 +9,11 @@ pub(crate) trait Walker: Controller {
     /// The controller of a robot; `key` is that of its action stream.
     fn new(spec: &RunSpec, key: u64) -> Self;
 
+    /// Whether what was saved can be reckoned with.
+    fn is_sound(&self) -> bool {
+        true
+    }
+
     /// An epoch begins where the robot stands.
     #[inline(always)]
     fn begin_epoch(&mut self, _body: &Body) {}

@@ -249,8 +249,8 @@ impl Learners {
         Learners::Brownian(Vec::new())
     }
 
-    /// Whether saved learners are what a stage asks for, one a robot.
-    pub fn suit(&self, stage: &Stage, spec: &RunSpec) -> bool {
+    /// Whether saved learners are what a stage asks for, one a robot, and their parts fit together.
+    pub fn suit(&self, stage: &Stage, spec: &RunSpec, plan: &MemoryPlan) -> bool {
         let method = spec.controller.method;
         let explores = method.definition().explores;
         let shared = spec.sharing == Sharing::Arena;
@@ -266,7 +266,24 @@ impl Learners {
             (Phase::Exploration, Learners::SharedTable(_)) => table && shared,
             _ => false,
         };
-        kind && self.robots() == spec.robots as usize
+        kind && self.robots() == spec.robots as usize && self.are_sound(spec, plan)
+    }
+
+    /// Whether no index of what was saved points beyond what it points into, and no number is none.
+    fn are_sound(&self, spec: &RunSpec, plan: &MemoryPlan) -> bool {
+        let hears = matches!(spec.sharing, Sharing::Radio(_));
+        match self {
+            Learners::Former(never) => match *never {},
+            Learners::Brownian(_) => true,
+            Learners::Babblers(robots) => robots.par_iter().all(|robot| robot.is_sound(plan)),
+            Learners::Crawlers(robots) => robots
+                .par_iter()
+                .all(|robot| robot.is_sound(plan) && robot.hears() == hears),
+            Learners::Replayers(robots) => robots.par_iter().all(|robot| robot.is_sound(plan)),
+            Learners::Explorers(robots) => robots.par_iter().all(Explorer::is_sound),
+            Learners::SharedTable(robots) => robots.is_sound(),
+            Learners::Walkers(walkers) => walkers.are_sound(),
+        }
     }
 
     /// Gives robots that decide by a table other parameters of their decisions. All others take

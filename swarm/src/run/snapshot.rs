@@ -196,7 +196,7 @@ pub(super) fn restore_of(spec: ValidSpec, of: [u8; 32], bytes: &[u8]) -> Result<
         && saved.position.epoch <= stage.epochs
         && saved.position.step <= run.spec.steps_per_epoch
         && (stage.shows || !saved.position.showing)
-        && saved.learners.suit(stage, &run.spec);
+        && saved.learners.suit(stage, &run.spec, &run.memory);
     if !fits {
         return Err(misfit());
     }

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod continued;
+mod forged;
 mod learnt;
 mod sharing;
 mod threads;

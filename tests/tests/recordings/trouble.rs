@@ -219,7 +219,7 @@ fn a_recording_that_was_damaged_or_cut_is_read_as_far_as_it_goes() {
         &whole[..0],
         &whole[..7],
         &whole[..40],
-        &b"EVSWREC1\xff\xff\xff\xff"[..],
+        &b"EVSWREC2\xff\xff\xff\xff"[..],
     ] {
         fs::write(&file, bytes).unwrap();
         for end in [".json", ".csv", ".parquet", ".mcap"] {
