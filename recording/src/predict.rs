@@ -37,54 +37,111 @@ impl Directions {
     }
 }
 
-/// Where something is expected, and which way it is taken to move.
-#[derive(Clone, Copy, Debug)]
-pub struct Guess {
+/// Where something is expected.
+#[derive(Clone, Copy)]
+pub struct Guess<'a> {
     at: [i32; 3],
-    along: [f64; 2],
+    step: Option<Step<'a>>,
 }
 
-impl Guess {
+/// A step by the wheels: what it comes to depends on how far the robot turned, as both come of the
+/// same slipping wheels.
+#[derive(Clone, Copy)]
+struct Step<'a> {
+    directions: &'a Directions,
+    /// x, y and heading before it, in ticks.
+    from: [f64; 3],
+    /// Turn and way as commanded, in ticks.
+    turn: f64,
+    way: f64,
+    /// Way that a tick of turn more is likely to go with, if it is by slip.
+    way_by_turn: f64,
+}
+
+/// Most ticks of turn that are taken for slip.
+const MOST_SLIP: f64 = 200.0;
+
+impl Step<'_> {
+    /// Where it ends, and the direction of its way, with a turn of so many ticks more.
+    fn end(&self, turned: i32) -> ([f64; 2], [f64; 2]) {
+        let slip = f64::from(turned).clamp(-MOST_SLIP, MOST_SLIP);
+        let turn = self.turn + slip;
+        let half_rad = turn / (2.0 * TICKS_PER_RAD);
+        // A chord against its arc.
+        let chord = 1.0 - half_rad * half_rad / 6.0;
+        let way = (self.way + slip * self.way_by_turn) * chord;
+        let along @ [cos, sin] = self.directions.of(self.from[2] + 0.5 * turn);
+        ([self.from[0] + way * cos, self.from[1] + way * sin], along)
+    }
+}
+
+impl Guess<'_> {
     /// Where it was.
     pub fn still(at: [i32; 3]) -> Self {
-        Self {
-            at,
-            along: [1.0, 0.0],
-        }
+        Self { at, step: None }
     }
 
     /// What a pose is off: on the axis that is nearer to the way; on the other, less what goes
-    /// with that; of the heading. Wheels that slip leave the second near 0.
+    /// with that; of the heading.
     pub fn off(&self, is: [i32; 3]) -> [i32; 3] {
-        let off = |axis: usize| is[axis].wrapping_sub(self.at[axis]);
-        let (first, second, slope) = self.axes();
-        let along = off(first);
-        [along, off(second).wrapping_sub(aside(along, slope)), off(2)]
+        let turned = is[2].wrapping_sub(self.at[2]);
+        let (at, axes) = self.place(turned);
+        let off = |axis: usize| is[axis].wrapping_sub(at[axis]);
+        let along = off(axes.first);
+        let beside = off(1 - axes.first).wrapping_sub(axes.aside(along));
+        [along, beside, turned]
     }
 
     /// The pose that is off by so much.
     pub fn corrected(&self, [along, beside, turned]: [i32; 3]) -> [i32; 3] {
-        let (first, second, slope) = self.axes();
-        let mut is = self.at;
-        is[first] = is[first].wrapping_add(along);
-        is[second] = is[second].wrapping_add(aside(along, slope).wrapping_add(beside));
-        is[2] = is[2].wrapping_add(turned);
-        is
+        let ([mut x, mut y], axes) = self.place(turned);
+        let across = axes.aside(along).wrapping_add(beside);
+        let (first, second) = if axes.first == 0 {
+            (&mut x, &mut y)
+        } else {
+            (&mut y, &mut x)
+        };
+        *first = first.wrapping_add(along);
+        *second = second.wrapping_add(across);
+        [x, y, self.at[2].wrapping_add(turned)]
     }
 
-    /// The axis nearer to the way, the other, and how much of the other goes with the first.
-    fn axes(&self) -> (usize, usize, f64) {
-        let [cos, sin] = self.along;
-        if cos.abs() >= sin.abs() {
-            (0, 1, sin / cos)
-        } else {
-            (1, 0, cos / sin)
+    /// The place that is expected of what turned by so much, and the axes to measure from there.
+    fn place(&self, turned: i32) -> ([i32; 2], Axes) {
+        match &self.step {
+            None => ([self.at[0], self.at[1]], Axes::along([1.0, 0.0])),
+            Some(step) => {
+                let (end, along) = step.end(turned);
+                (end.map(nearest), Axes::along(along))
+            }
         }
     }
 }
 
-fn aside(along: i32, slope: f64) -> i32 {
-    nearest(f64::from(along) * slope)
+/// The axis nearer to a way, 0 or 1, and how much of the other goes with it.
+struct Axes {
+    first: usize,
+    slope: f64,
+}
+
+impl Axes {
+    fn along([cos, sin]: [f64; 2]) -> Self {
+        if cos.abs() >= sin.abs() {
+            Self {
+                first: 0,
+                slope: sin / cos,
+            }
+        } else {
+            Self {
+                first: 1,
+                slope: cos / sin,
+            }
+        }
+    }
+
+    fn aside(&self, along: i32) -> i32 {
+        nearest(f64::from(along) * self.slope)
+    }
 }
 
 /// A robot that is followed.
@@ -135,8 +192,8 @@ impl<'a> Reckoning<'a> {
         self.wheels_rad_s = wheels_rad_s;
     }
 
-    /// Where it is expected after a step with these commands, in ticks.
-    pub fn step(&mut self, command: [i16; 2]) -> Guess {
+    /// Where it is expected after a step with these commands.
+    pub fn step(&mut self, command: [i16; 2]) -> Guess<'a> {
         for (speed, ticks) in self.wheels_rad_s.iter_mut().zip(command) {
             let wanted = f64::from(ticks) / TICKS_PER_COMMAND * self.top_speed_rad_s - *speed;
             let limit = self.acceleration_rad_s_step;
@@ -144,24 +201,38 @@ impl<'a> Reckoning<'a> {
         }
         let [left, right] = self.wheels_rad_s;
         let turn = (right - left) * self.turn;
-        let half_rad = turn / (2.0 * TICKS_PER_RAD);
-        // A chord against its arc.
-        let chord = 1.0 - half_rad * half_rad / 6.0;
-        let way = (left + right) * self.advance * chord;
-        let [cos, sin] = self.directions.of(self.at[2] + 0.5 * turn);
-        self.at[0] += way * cos;
-        self.at[1] += way * sin;
-        self.at[2] = wrapped(self.at[2] + turn);
+        // Wheels slip by shares of their speeds, each by itself: the regression of way on turn.
+        let squares = left * left + right * right;
+        let way_by_turn = if squares > 0.0 {
+            self.advance / self.turn * (right * right - left * left) / squares
+        } else {
+            0.0
+        };
+        let step = Step {
+            directions: self.directions,
+            from: self.at,
+            turn,
+            way: (left + right) * self.advance,
+            way_by_turn,
+        };
+        let (end, _) = step.end(0);
+        let heading = wrapped(self.at[2] + turn);
+        self.at = [end[0], end[1], heading];
         Guess {
             at: self.at.map(nearest),
-            along: [cos, sin],
+            step: Some(step),
         }
     }
 
     /// Corrects what was expected by what was.
-    pub fn correct(&mut self, expected: Guess, actual: [i32; 3]) {
-        for ((at, expected), actual) in self.at.iter_mut().zip(expected.at).zip(actual) {
-            if expected != actual {
+    pub fn correct(&mut self, expected: Guess<'_>, actual: [i32; 3]) {
+        let turned = actual[2].wrapping_sub(expected.at[2]);
+        if let (Some(step), true) = (&expected.step, turned != 0) {
+            let (end, _) = step.end(turned);
+            self.at = [end[0], end[1], f64::from(actual[2])];
+        }
+        for (at, actual) in self.at.iter_mut().zip(actual) {
+            if nearest(*at) != actual {
                 *at = f64::from(actual);
             }
         }
