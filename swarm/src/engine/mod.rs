@@ -7,6 +7,8 @@ pub mod kinematic;
 pub mod near;
 pub mod rapier;
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
 use arenas::Arena;
 use serde::{Deserialize, Serialize};
 
@@ -14,6 +16,16 @@ use crate::bodies::{Bodies, ObjectPose, StartPose};
 use crate::robot::RobotModel;
 use crate::spec::EngineKind;
 use rapier::RapierEngine;
+
+/// Ways that robots go in a trial.
+const TRIAL_WAYS_M: [[f32; 2]; 6] = [
+    [0.0, 0.0],
+    [0.005, 0.0],
+    [0.0, 0.005],
+    [-0.005, 0.0],
+    [0.0, -0.005],
+    [0.004, 0.003],
+];
 
 /// The engine of one world, with whatever state it keeps between steps.
 #[derive(Serialize, Deserialize)]
@@ -58,11 +70,11 @@ impl EngineState {
         }
     }
 
-    /// Whether it is one of so many robots, as what was read back might not be.
-    pub fn fits(&self, robots: usize) -> bool {
+    /// Whether it is one of these robots and can step them, as what was read back might not.
+    pub fn fits(&self, bodies: &Bodies) -> bool {
         match self {
             EngineState::Kinematic => true,
-            EngineState::Rapier(rigid) => rigid.engine.fits(robots),
+            EngineState::Rapier(rigid) => rigid.engine.fits(bodies.len()) && rigid.can_step(bodies),
         }
     }
 
@@ -76,6 +88,23 @@ impl EngineState {
 }
 
 impl Rigid {
+    /// Whether a copy steps the robots to and fro. Rapier does not look whether what it is read
+    /// from holds together, and panics where an index points nowhere.
+    fn can_step(&self, bodies: &Bodies) -> bool {
+        let steps = || {
+            let mut engine = self.engine.copy()?;
+            let mut columns = Columns::default();
+            columns.read(bodies);
+            for way_m in TRIAL_WAYS_M {
+                columns.dx_m.fill(way_m[0]);
+                columns.dy_m.fill(way_m[1]);
+                columns.step(&mut engine);
+            }
+            Some(())
+        };
+        matches!(catch_unwind(AssertUnwindSafe(steps)), Ok(Some(())))
+    }
+
     /// Where the movable objects are.
     pub fn objects(&self) -> impl ExactSizeIterator<Item = ObjectPose> + '_ {
         self.engine.objects()
@@ -101,8 +130,7 @@ impl Rigid {
             (c.dx_m[i], c.dy_m[i]) = (body.x_m - x_m, body.y_m - y_m);
             (c.x_m[i], c.y_m[i]) = (x_m, y_m);
         }
-        self.engine
-            .step(&mut c.x_m, &mut c.y_m, &c.dx_m, &c.dy_m, &mut c.touched);
+        c.step(&mut self.engine);
         let (stored, numbers) = bodies.stored_mut();
         for (body, &number) in stored.iter_mut().zip(numbers) {
             let i = number as usize;
@@ -112,6 +140,11 @@ impl Rigid {
 }
 
 impl Columns {
+    fn step(&mut self, engine: &mut RapierEngine) {
+        let (dx_m, dy_m) = (&self.dx_m, &self.dy_m);
+        engine.step(&mut self.x_m, &mut self.y_m, dx_m, dy_m, &mut self.touched);
+    }
+
     /// Takes the bodies' positions, and makes room for as many ways.
     fn read(&mut self, bodies: &Bodies) {
         self.x_m.clear();

@@ -76,6 +76,12 @@ impl RapierEngine {
         self.robots.len() == robots && self.robots.iter().all(known)
     }
 
+    /// An engine that is the same, by what is saved of it.
+    pub fn copy(&self) -> Option<Self> {
+        let saved = postcard::to_stdvec(self).ok()?;
+        postcard::from_bytes(&saved).ok()
+    }
+
     /// Where the movable objects are, in the order of the arena's.
     pub fn objects(&self) -> impl ExactSizeIterator<Item = ObjectPose> + '_ {
         self.objects.poses(&self.world)

@@ -204,7 +204,7 @@ impl World {
     ) -> Option<Self> {
         let squares = Squares::of(&ground.arena).count();
         let fits = state.bodies.len() == starts.len()
-            && engine.fits(starts.len())
+            && engine.fits(&state.bodies)
             && state.visits.len() == squares
             && state.tally.fits(starts.len(), squares)
             && state.objects.fits(&ground.arena)
