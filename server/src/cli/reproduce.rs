@@ -16,6 +16,7 @@ use super::{Failure, output};
 use crate::artifacts;
 use crate::channels::ChannelSettings;
 use crate::documents::{self, ExpandedJob};
+use crate::recording::Limits;
 use crate::reproduce::{Plan, Report, Settings, replace};
 use crate::runner::default_run_memory_bytes;
 use crate::scheduler::{Scheduler, SchedulerConfig, new_job};
@@ -170,7 +171,11 @@ fn submit(store: &Store, job: ExpandedJob, document: &Value) -> anyhow::Result<J
     let mut request = JobRequest::new(ids.as_bytes(), None);
     request.idempotency_key = Some(request.sha256.clone());
     request.document = Some(document.to_string());
-    let created = store.create_job(&new_job(job, request), u64::MAX)?;
+    let job = new_job(job, request, &Limits::DEFAULT).map_err(|errors| {
+        let errors: Vec<String> = errors.iter().map(ToString::to_string).collect();
+        anyhow!("{}", errors.join("; "))
+    })?;
+    let created = store.create_job(&job, u64::MAX)?;
     let (Created::New(seq, _) | Created::Replayed(seq)) = created;
     let mut newest = None;
     while let Some(other) = store.jobs(newest, 1)?.pop() {
@@ -209,7 +214,7 @@ fn finish(
         run_memory_bytes: default_run_memory_bytes(workers),
         unfinished_limit: u64::MAX,
         keep_every_epochs: None,
-        recordings: crate::recording::Limits::DEFAULT,
+        recordings: Limits::DEFAULT,
         channels: ChannelSettings::default(),
     };
     let scheduler = Scheduler::start(Arc::clone(store), config)?;

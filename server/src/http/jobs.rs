@@ -18,7 +18,7 @@ use super::request::{MAX_KEY_BYTES, idempotency_key, parse, said_to_be_json};
 use super::routes::Routes;
 use crate::documents::{expand, run_count};
 use crate::findings::views;
-use crate::scheduler::{StoredArenas, new_job};
+use crate::scheduler::StoredArenas;
 use crate::store::{Created, Intent, JobFilter, JobKey, JobRequest, JobView};
 
 const Q: Parameter = Parameter::text("q", "Words that the name has, in any case.");
@@ -122,10 +122,8 @@ async fn create(
             Some(seq) => seq,
             None => {
                 let expanded = expand(&document, &arenas).map_err(Refusal::fields)?;
-                let limits = &app.scheduler.config().recordings;
-                limits.check_job(&expanded.runs).map_err(Refusal::fields)?;
-                let (Created::New(seq, _) | Created::Replayed(seq)) =
-                    app.scheduler.submit(&new_job(expanded, request))?;
+                let job = app.scheduler.new_job(expanded, request)?;
+                let (Created::New(seq, _) | Created::Replayed(seq)) = app.scheduler.submit(&job)?;
                 seq
             }
         };

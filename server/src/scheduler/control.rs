@@ -12,7 +12,7 @@ use super::control_error::ControlError;
 use super::submission::new_job;
 use super::{Scheduler, attempt};
 use crate::documents::{ExpandedJob, expand, with_more_seeds};
-use crate::store::{Created, Intent, JobKey, JobRequest, JobView, RunKey, RunView};
+use crate::store::{Created, Intent, JobKey, JobRequest, JobView, NewJob, RunKey, RunView};
 
 /// Longest wait for a worker to let go of a run.
 const LET_GO: Duration = Duration::from_secs(20);
@@ -64,9 +64,8 @@ impl Scheduler {
         }
         let longer = with_more_seeds(&document, more);
         let expanded = expand(&longer, &StoredArenas::new(store)).map_err(ControlError::Invalid)?;
-        self.check_recordings(&expanded)?;
         let request = JobRequest::of_document(longer.to_string().as_bytes(), None);
-        let longer = new_job(expanded, request);
+        let longer = self.new_job(expanded, request)?;
         let added = store.extend_job(job.seq, &longer, self.shared.config.unfinished_limit)?;
         self.requeue(job.seq)?;
         Ok(added)
@@ -103,10 +102,10 @@ impl Scheduler {
         });
         let expanded =
             expand(&document, &StoredArenas::new(store)).map_err(ControlError::Invalid)?;
-        self.check_recordings(&expanded)?;
         let request = JobRequest::of_document(document.to_string().as_bytes(), None);
-        let goes_on = (expanded.runs.iter()).any(|longer| self.go_on_from_the_end(run, longer));
-        let longer = new_job(expanded, request);
+        let runs = expanded.runs.clone();
+        let longer = self.new_job(expanded, request)?;
+        let goes_on = (runs.iter()).any(|longer| self.go_on_from_the_end(run, longer));
         let (Created::New(job, _) | Created::Replayed(job)) = self.submit(&longer)?;
         if goes_on && let Some(made) = longer.runs.first().map(|run| store.run(&run.id)) {
             let what = format!("goes on from the end of run {}", run.id);
@@ -117,10 +116,13 @@ impl Scheduler {
         Ok(job)
     }
 
-    /// Whether what a job's runs are to record of themselves fits.
-    pub(super) fn check_recordings(&self, job: &ExpandedJob) -> Result<(), ControlError> {
+    /// A job to be stored, unless what its runs are to record of themselves does not fit.
+    ///
+    /// # Errors
+    /// `Invalid`.
+    pub fn new_job(&self, job: ExpandedJob, request: JobRequest) -> Result<NewJob, ControlError> {
         let limits = &self.shared.config.recordings;
-        limits.check_job(&job.runs).map_err(ControlError::Invalid)
+        new_job(job, request, limits).map_err(ControlError::Invalid)
     }
 
     /// Changes the priority of a job: its waiting runs come before those of lower priority.

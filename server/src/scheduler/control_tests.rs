@@ -4,9 +4,10 @@
 use api::State as Life;
 use serde_json::{Value, json};
 
-use super::tests::{job, runs, start, submit, wait_for, wait_until_done};
+use super::tests::{job, runs, start, start_with, submit, wait_for, wait_until_done};
 use super::*;
 use crate::documents::{BuiltinArenas, expand};
+use crate::recording::Limits;
 use crate::store::{Created, Intent, JobKey, JobRequest, RunView, Store};
 
 /// A job without end of one run, begun; its run.
@@ -176,8 +177,8 @@ fn a_job_grows_by_seeds_and_what_it_had_stays() {
     });
     let expanded = expand(&document, &BuiltinArenas).unwrap();
     let request = JobRequest::of_document(document.to_string().as_bytes(), None);
-    let (Created::New(seq, _) | Created::Replayed(seq)) =
-        scheduler.submit(&new_job(expanded, request)).unwrap();
+    let made = scheduler.new_job(expanded, request).unwrap();
+    let (Created::New(seq, _) | Created::Replayed(seq)) = scheduler.submit(&made).unwrap();
     wait_until_done(&store, seq);
     let before = store.all_runs(seq).unwrap();
     let view = store.job(seq).unwrap().unwrap();
@@ -245,4 +246,41 @@ fn a_job_of_higher_priority_comes_first() {
     scheduler.set_intent(blocking, Intent::Cancelled).unwrap();
     wait_until_done(&store, late);
     assert_eq!(store.job(early).unwrap().unwrap().counts.done, 0);
+}
+
+#[test]
+fn no_job_is_stored_whose_recordings_would_not_fit_however_many_ask_at_once() {
+    let mut document = job(20, 1);
+    document["base"]["record"] = json!({ "every_steps": 1 });
+    let run = &runs(&document)[0];
+    let one = run.record().unwrap().about_bytes(&run.run_spec(), 20);
+    let limits = Limits {
+        job_bytes: one * 5 / 2,
+        ..Limits::DEFAULT
+    };
+    let dir = tempfile::tempdir().unwrap();
+    let (store, scheduler) = start_with(dir.path(), 1, limits);
+    let made = |count: u32| {
+        let mut document = document.clone();
+        document["seeds"]["count"] = json!(count);
+        let expanded = expand(&document, &BuiltinArenas).unwrap();
+        let request = JobRequest::of_document(document.to_string().as_bytes(), None);
+        scheduler.new_job(expanded, request)
+    };
+    assert!(matches!(made(3), Err(ControlError::Invalid(_))));
+    let (Created::New(seq, _) | Created::Replayed(seq)) =
+        scheduler.submit(&made(1).unwrap()).unwrap();
+    let view = store.job(seq).unwrap().unwrap();
+    // One more run fits, two do not.
+    let extended = std::thread::scope(|scope| {
+        let both = [(); 2].map(|()| scope.spawn(|| scheduler.extend_job(&view, 1)));
+        both.map(|one| one.join().unwrap())
+    });
+    let (done, refused): (Vec<_>, Vec<_>) = extended.into_iter().partition(Result::is_ok);
+    assert_eq!((done.len(), refused.len()), (1, 1));
+    let Err(ControlError::Invalid(errors)) = &refused[0] else {
+        panic!("{refused:?}");
+    };
+    assert_eq!(errors[0].pointer, "/base/record");
+    assert_eq!(store.job(seq).unwrap().unwrap().counts.total, 2);
 }

@@ -14,9 +14,8 @@ use super::arenas::StoredArenas;
 use super::attempt::{checkpoint_of, stored_spec};
 use super::control_error::ControlError;
 use super::live::findings_of;
-use super::submission::new_job;
 use crate::documents::{Design, ExpandedJob, ResolvedRun, parse, resolve};
-use crate::store::{Checkpoint, Checkpoints, Created, JobKey, JobRequest, NewJob, RunView};
+use crate::store::{Checkpoint, Checkpoints, Created, JobKey, JobRequest, RunView};
 
 /// Longest wait for a checkpoint of a run that is being stepped.
 const TAKING: Duration = Duration::from_secs(30);
@@ -157,8 +156,7 @@ impl Scheduler {
                 ..Design::default()
             }],
         };
-        self.check_recordings(&expanded)?;
-        let mut job: NewJob = new_job(expanded, request);
+        let mut job = self.new_job(expanded, request)?;
         for run in &mut job.runs {
             run.id.clone_from(&id);
             // Strings and numbers: JSON can hold all of them.

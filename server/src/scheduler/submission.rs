@@ -1,25 +1,35 @@
 //! From an expanded job to what the store keeps of it.
 
-use api::ArenaRef;
+use api::{ArenaRef, FieldError};
 use swarm::spec::EngineKind;
 
 use crate::documents::{ArenaSource, BuiltinArenas, ExpandedJob, ResolvedRun};
+use crate::recording::Limits;
 use crate::store::{JobRequest, NewJob, NewRun};
 
 /// About what a robot-step of rigid bodies costs against one of the kinematic engine, for one robot
 /// (`docs/performance.md`). Only estimates of what is left depend on it.
 const RAPIER_STEP_COST: u32 = 20;
 
-/// The job with its runs, and the request that it came in.
-pub fn new_job(job: ExpandedJob, request: JobRequest) -> NewJob {
+/// The job with its runs, and the request that it came in. Whatever is stored of jobs is made here,
+/// so no job is whose runs are to record more of themselves than these limits allow.
+///
+/// # Errors
+/// What would fit.
+pub fn new_job(
+    job: ExpandedJob,
+    request: JobRequest,
+    limits: &Limits,
+) -> Result<NewJob, Vec<FieldError>> {
+    limits.check_job(&job.runs)?;
     let runs = job.runs.iter().zip(&job.labels);
-    NewJob {
+    Ok(NewJob {
         runs: runs.map(|(run, label)| new_run(run, label)).collect(),
         // Strings and JSON values: JSON can hold all of them.
         design: serde_json::to_string(&job.designs).unwrap_or_default(),
         name: job.name,
         request,
-    }
+    })
 }
 
 fn new_run(run: &ResolvedRun, label: &str) -> NewRun {

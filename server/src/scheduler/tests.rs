@@ -13,18 +13,23 @@ use swarm::run::Run;
 use super::*;
 use crate::channels::ChannelSettings;
 use crate::documents::{BuiltinArenas, ResolvedRun, expand};
+use crate::recording::Limits;
 use crate::store::{Created, Intent, JobKey, JobRequest, RunState, Store};
 
 const PATIENCE: Duration = Duration::from_secs(120);
 
 pub fn start(dir: &Path, workers: usize) -> (Arc<Store>, Scheduler) {
+    start_with(dir, workers, Limits::DEFAULT)
+}
+
+pub fn start_with(dir: &Path, workers: usize, recordings: Limits) -> (Arc<Store>, Scheduler) {
     let store = Arc::new(Store::open(dir).unwrap());
     let config = SchedulerConfig {
         workers: NonZeroUsize::new(workers).unwrap(),
         unfinished_limit: 100,
         run_memory_bytes: 64 << 20,
         keep_every_epochs: None,
-        recordings: crate::recording::Limits::DEFAULT,
+        recordings,
         channels: ChannelSettings::default(),
     };
     let scheduler = Scheduler::start(Arc::clone(&store), config).unwrap();
@@ -48,10 +53,9 @@ pub fn runs(job: &Value) -> Vec<ResolvedRun> {
 
 pub fn submit(scheduler: &Scheduler, job: &Value) -> JobKey {
     let expanded = expand(job, &BuiltinArenas).unwrap();
-    match scheduler
-        .submit(&new_job(expanded, JobRequest::new(b"", None)))
-        .unwrap()
-    {
+    let request = JobRequest::new(b"", None);
+    let job = scheduler.new_job(expanded, request).unwrap();
+    match scheduler.submit(&job).unwrap() {
         Created::New(job, _) | Created::Replayed(job) => job,
     }
 }
@@ -286,10 +290,9 @@ fn a_cancelled_job_stops_and_leaves_nothing_behind() {
 fn a_spec_that_cannot_be_run_fails_alone() {
     let dir = tempfile::tempdir().unwrap();
     let (store, scheduler) = start(dir.path(), 1);
-    let mut broken = new_job(
-        expand(&job(1, 1), &BuiltinArenas).unwrap(),
-        JobRequest::new(b"", None),
-    );
+    let expanded = expand(&job(1, 1), &BuiltinArenas).unwrap();
+    let request = JobRequest::new(b"", None);
+    let mut broken = scheduler.new_job(expanded, request).unwrap();
     broken.runs[0].id = "broken".to_owned();
     broken.runs[0].spec = "{\"arena\": \"nowhere\"}".to_owned();
     scheduler.submit(&broken).unwrap();
