@@ -1,7 +1,10 @@
-//! What one robot has learnt at a moment: `GET /v1/runs/{id}/learnt`.
+//! What robots have learnt at a moment: `GET /v1/runs/{id}/learnt` of one, with its table, and
+//! `GET /v1/runs/{id}/learning` of all.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+use crate::result::{ClusterCounts, Memory, ModelAccuracy};
 
 /// A robot's learner at a moment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -54,4 +57,56 @@ pub struct LearntTable {
     pub states: Vec<Vec<f32>>,
     /// Commands of each action, left and right.
     pub actions: Vec<Vec<f32>>,
+}
+
+/// How far the robots of a run have learnt, at a moment.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Learning {
+    /// Id of the run.
+    pub run_id: String,
+    /// Whether this is the present moment of a run that is being stepped; else it is that of its last
+    /// checkpoint or of its end.
+    pub is_live: bool,
+    /// What the run is doing.
+    pub phase: String,
+    /// Counted epochs that are complete.
+    pub epochs_done: u32,
+    /// Counted epochs in all.
+    pub epochs_total: u32,
+    /// Steps of the arena since the run began, all phases; null where of a run that is done its
+    /// result is kept and its last state is not.
+    pub arena_step: Option<u64>,
+    /// Robots of the run.
+    pub robots: u32,
+    /// The spec's bound on what a learner holds, where it has one.
+    pub budget_bytes: Option<u64>,
+    /// What the learners hold, and may hold at most.
+    pub memory: Memory,
+    /// Clusters of the first robot.
+    pub clusters: ClusterCounts,
+    /// Of the first robot's table, once the run is done; null where the method has none.
+    pub model: Option<ModelAccuracy>,
+    /// In order of their numbers; none where the run's last state is not kept.
+    pub items: Vec<RobotLearning>,
+    /// Cursor of the next page; null on the last.
+    pub next: Option<String>,
+}
+
+/// How far a robot has learnt.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct RobotLearning {
+    /// Its number, from 0.
+    pub robot: u32,
+    /// Clusters of sensor vectors so far; states, where there is a table.
+    pub sensor_clusters: u32,
+    /// Clusters of commands so far; actions, where there is a table.
+    pub actuator_clusters: u32,
+    /// Clusters of sensori-motor vectors so far, where an objective is over them.
+    pub sensori_motor_clusters: Option<u32>,
+    /// Fitness of the parent genome, once it was evaluated; in evolution alone.
+    pub fitness: Option<f64>,
+    /// Bytes that its learner holds.
+    pub bytes: u64,
+    /// Vectors that found no room for a cluster of their own.
+    pub clusters_saturated: u64,
 }

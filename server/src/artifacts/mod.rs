@@ -28,7 +28,9 @@ pub use objects::{objects_csv, objects_json};
 pub use pushed::{Pushed, pushed};
 pub use put::WriteError;
 pub use raster::png_of_rgb;
-pub use tables::{coverage_csv, coverage_json, curve_csv, curve_row, memory_plan, run_result};
+pub use tables::{
+    coverage_csv, coverage_json, curve_csv, curve_row, memory, memory_plan, run_result,
+};
 pub use timing::{Timing, process_cpu_s, thread_cpu_s};
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use api::{
     ClusterCounts, Coverage, Memory, MemoryPlan, ModelAccuracy, ObjectResult, RunResult, SCHEMA,
 };
 use arenas::Arena;
-use swarm::run::{CurveRow, ObjectOutcome, Outcome, counts_within};
+use swarm::run::{CurveRow, ObjectOutcome, Outcome, RobotMemory, counts_within};
 use swarm::world::ObjectPose;
 
 use super::fractions::fractions;
@@ -45,7 +45,7 @@ pub fn run_result(outcome: &Outcome) -> RunResult {
             pairs: model.pairs,
         }),
         bytes: outcome.bytes,
-        memory: memory(outcome),
+        memory: memory(&outcome.memory, &outcome.memory_plan),
         objects: outcome.objects.iter().map(object).collect(),
         state_sha256: outcome.state_sha256.clone(),
     }
@@ -64,11 +64,12 @@ fn object(object: &ObjectOutcome) -> ObjectResult {
     }
 }
 
-fn memory(outcome: &Outcome) -> Memory {
-    let bytes = || outcome.memory.iter().map(|robot| robot.bytes);
-    let saturated = || outcome.memory.iter().map(|robot| robot.clusters_saturated);
+/// What learners hold and may hold, as a document.
+pub fn memory(robots: &[RobotMemory], plan: &swarm::memory::MemoryPlan) -> Memory {
+    let bytes = || robots.iter().map(|robot| robot.bytes);
+    let saturated = || robots.iter().map(|robot| robot.clusters_saturated);
     Memory {
-        plan: memory_plan(&outcome.memory_plan),
+        plan: memory_plan(plan),
         most_bytes: bytes().max().unwrap_or(0),
         least_bytes: bytes().min().unwrap_or(0),
         clusters_saturated: saturated().sum(),

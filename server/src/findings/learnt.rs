@@ -1,22 +1,25 @@
 //! What was kept of a run that no worker holds, as those who watch it see it.
 
-use api::State;
-use api::learnt::Learnt;
+use api::learnt::Learning;
+use api::{ClusterCounts, RunResult, State};
 use arenas::Squares;
 use bytes::Bytes;
-use swarm::run::Run;
+use swarm::run::{Phase, Run};
 
 use super::{Assembler, FindingsError};
 use crate::store::RunView;
-use crate::watching::{covered, shown};
+use crate::watching::covered;
 
 impl Assembler {
-    /// What a robot has learnt as the run's checkpoint has it, or before the first step; `None` where
-    /// it learns nothing or there is no such robot.
+    /// What a look at the run says as its checkpoint or its end has it, or before the first step.
     ///
     /// # Errors
     /// When its state is not kept, or its checkpoint or spec cannot be used.
-    pub fn learnt(&self, run: &RunView, robot: u32) -> Result<Option<Learnt>, FindingsError> {
+    pub fn looked<T>(
+        &self,
+        run: &RunView,
+        look: impl FnOnce(&Run) -> T,
+    ) -> Result<T, FindingsError> {
         let state = run.state.state();
         if matches!(state, State::Failed | State::Cancelled) {
             return Err(FindingsError::NotKept(state));
@@ -35,7 +38,35 @@ impl Assembler {
             None => Run::new(spec.run_spec())
                 .map_err(|errors| broken(format!("its spec: {} fields", errors.len())))?,
         };
-        Ok(shown(&opened, robot, false))
+        Ok(look(&opened))
+    }
+
+    /// How far robots have learnt as the result of a run tells it, whose last state is not kept;
+    /// `None` where they learn nothing.
+    ///
+    /// # Errors
+    /// When its spec cannot be used.
+    pub fn learning_at_the_end(&self, run: &RunView) -> Result<Option<Learning>, FindingsError> {
+        let learns = |result: &&RunResult| result.clusters != ClusterCounts::default();
+        let Some(result) = run.result().filter(learns) else {
+            return Ok(None);
+        };
+        let spec = self.resolved(run)?.run_spec();
+        Ok(Some(Learning {
+            run_id: run.id.clone(),
+            is_live: false,
+            phase: Phase::Done.name().to_owned(),
+            epochs_done: run.epochs_total,
+            epochs_total: run.epochs_total,
+            arena_step: None,
+            robots: spec.robots,
+            budget_bytes: spec.memory_budget_bytes,
+            memory: result.memory.clone(),
+            clusters: result.clusters,
+            model: result.model,
+            items: Vec::new(),
+            next: None,
+        }))
     }
 
     /// What it covered, as a message of its stream of frames.

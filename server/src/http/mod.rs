@@ -25,6 +25,7 @@ mod guard;
 mod health;
 mod job_findings;
 mod jobs;
+mod learning;
 mod listen;
 mod metrics;
 mod openapi;

@@ -23,8 +23,8 @@ use super::refusal::Refusal;
 use super::routes::Routes;
 use super::{
     arenas, asked_recordings, catalog, checkpoints, checks, comparison, compression, conditional,
-    contract, control, events, explain, exports, files, health, job_findings, jobs, openapi, page,
-    problems, recordings, runs, scrape, watching, workers,
+    contract, control, events, explain, exports, files, health, job_findings, jobs, learning,
+    openapi, page, problems, recordings, runs, scrape, watching, workers,
 };
 
 /// Every route, and what each does.
@@ -40,6 +40,7 @@ pub fn routes() -> Routes {
         .merge(events::routes())
         .merge(files::routes())
         .merge(watching::routes())
+        .merge(learning::routes())
         .merge(recordings::routes())
         .merge(asked_recordings::routes())
         .merge(explain::routes())
@@ -79,7 +80,7 @@ pub fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, tokens: Tokens) -> R
         events: Hub::start(Arc::clone(&store), Arc::clone(&scheduler)),
         exports: exports::places(),
         viewers: Arc::new(Semaphore::new(watching::MAX_VIEWERS)),
-        opened: Arc::new(Semaphore::new(watching::MAX_OPENED)),
+        opened: Arc::new(Semaphore::new(learning::MAX_OPENED)),
         metrics: Arc::clone(&metrics),
         openapi: openapi::text(&described).into(),
         store,

@@ -1,11 +1,9 @@
-//! `/v1/runs/{id}/frames` and `/learnt`: a run looked at while it is stepped.
+//! `/v1/runs/{id}/frames`, and the arena that they are in.
 
 use std::time::Duration;
 
-use api::ProblemCode::{CheckpointNotKept, FindingsNotKept, NothingLearnt, TooManyListeners};
-use api::State::{Cancelled, Failed};
+use api::ProblemCode::TooManyListeners;
 use api::checks::Reach;
-use api::learnt::Learnt;
 use axum::Json;
 use axum::body::Body;
 use axum::extract::State;
@@ -22,29 +20,17 @@ use super::operation::{JSON, Operation, Shape};
 use super::query::{Parameter, Query};
 use super::refusal::Refusal;
 use super::routes::Routes;
-use crate::documents::MAX_ROBOTS;
-use crate::store::{RunKey, RunView};
+use crate::store::RunKey;
 use crate::watching::{Viewer, hello, waiting};
 
 /// Most streams of frames at once.
 pub const MAX_VIEWERS: usize = 64;
-/// Most checkpoints that are opened at once for what was learnt.
-pub const MAX_OPENED: usize = 1;
 /// Time between two looks whether somebody steps the run.
 const LOOK_EVERY: Duration = Duration::from_millis(250);
 /// Time between two signs of life of a silent stream.
 const KEEP_ALIVE: Duration = Duration::from_secs(10);
 /// Longest time of a stream; whoever looks on asks again.
 const LIFE: Duration = Duration::from_secs(60 * 60);
-/// Longest time in which a run's thread answers, between two blocks of steps.
-const ANSWER: Duration = Duration::from_secs(10);
-
-const ROBOT: Parameter = Parameter::whole(
-    "robot",
-    (0, MAX_ROBOTS as i64 - 1),
-    "Number of the robot, from 0.",
-)
-.or(0);
 
 const OF: Parameter = Parameter::word(
     "of",
@@ -88,18 +74,6 @@ pub fn routes() -> Routes {
                 "What of its arena the robots of a run can reach",
             )
             .shows::<Reach>("The squares."),
-        )
-        .get(
-            "/runs/{id}/learnt",
-            learnt,
-            Operation::new("getLearnt", "What a robot has learnt")
-                .details(
-                    "At this moment where the run is being stepped, else as its last checkpoint \
-                     or its end has it.",
-                )
-                .query(&[ROBOT])
-                .shows::<Learnt>("The robot's learner.")
-                .refuses(&[NothingLearnt, FindingsNotKept, CheckpointNotKept]),
         )
 }
 
@@ -239,49 +213,6 @@ async fn reach(State(app): State<App>, FoundRun(run): FoundRun) -> Result<Json<R
             reachable: mask.iter().filter(|&&within| within).count() as u32,
             reachable_rows: rows(mask, spec.arena()),
         }))
-    })
-    .await
-}
-
-/// `GET /v1/runs/{id}/learnt`.
-async fn learnt(
-    State(app): State<App>,
-    FoundRun(run): FoundRun,
-    query: Query,
-) -> Result<Json<Learnt>, Refusal> {
-    // The parameter has a default and a range that fits.
-    let robot = query
-        .number(&ROBOT)?
-        .and_then(|robot| robot.try_into().ok());
-    let robot: u32 = robot.unwrap_or(0);
-    // A worker may still hold a run that was cancelled.
-    let is_kept = !matches!(run.state.state(), Failed | Cancelled);
-    let asked = is_kept.then(|| app.scheduler.ask(run.seq, robot)).flatten();
-    let learnt = match asked {
-        Some(answer) => match tokio::time::timeout(ANSWER, answer).await {
-            Ok(Ok(learnt)) => learnt.map(|learnt| *learnt),
-            _ => opened(app, run.clone(), robot).await?,
-        },
-        None => opened(app, run.clone(), robot).await?,
-    };
-    learnt.map(Json).ok_or_else(|| {
-        let detail = format!(
-            "robot {robot} of this run has learnt nothing: its method ({}) learns nothing, or there \
-             is no such robot",
-            run.method
-        );
-        Refusal::new(NothingLearnt, detail)
-    })
-}
-
-/// What the last checkpoint has. It is opened one at a time, as it may be large.
-async fn opened(app: App, run: RunView, robot: u32) -> Result<Option<Learnt>, Refusal> {
-    let place = app.opened.clone().acquire_owned().await;
-    let place = place.map_err(|error| Refusal::internal(&error))?;
-    app.blocking(move |app| {
-        let learnt = app.findings.learnt(&run, robot)?;
-        drop(place);
-        Ok(learnt)
     })
     .await
 }

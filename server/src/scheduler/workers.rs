@@ -7,6 +7,9 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
+use swarm::run::Run;
+use tokio::sync::oneshot;
+
 use super::attempt::{self, Ended};
 use super::config::SchedulerConfig;
 use super::controllers;
@@ -16,13 +19,11 @@ use super::queue::FairQueue;
 use super::spread::Spread;
 use crate::break_points::{Place, reach};
 use crate::channels::ChannelSettings;
-use tokio::sync::oneshot;
-
 use crate::store::{
     ClaimedRun, CreateJobError, Created, Intent, JobKey, JobRequest, NewJob, RunKey, StoppedRun,
     Store, StoreError,
 };
-use crate::watching::{Answer, Viewer};
+use crate::watching::Viewer;
 
 /// Time between two tries to store what must be stored, when the database fails.
 const RETRY: Duration = Duration::from_secs(2);
@@ -198,11 +199,14 @@ impl Scheduler {
         Some(self.shared.state().live.get(&run)?.window.look())
     }
 
-    /// Asks what a robot of a run has learnt, where a worker holds the run; `None` too where too
-    /// many ask.
-    pub fn ask(&self, run: RunKey, robot: u32) -> Option<oneshot::Receiver<Answer>> {
+    /// Asks what a look at a run says, where a worker holds the run; `None` too where too many ask.
+    pub fn ask<T: Send + 'static>(
+        &self,
+        run: RunKey,
+        look: impl FnOnce(&Run) -> T + Send + 'static,
+    ) -> Option<oneshot::Receiver<T>> {
         let live = self.shared.state().live.get(&run).cloned()?;
-        live.window.ask(robot)
+        live.window.ask(look)
     }
 
     /// Whether the workers are to end.

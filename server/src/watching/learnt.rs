@@ -1,9 +1,12 @@
-//! A robot's learner as the service shows it.
+//! Robots' learners as the service shows them.
 
-use api::learnt::{Learnt, LearntTable};
+use api::ClusterCounts;
+use api::learnt::{Learning, Learnt, LearntTable, RobotLearning};
 use swarm::controllers::Codebook;
 use swarm::learn::repository::Repository;
 use swarm::run::Run;
+
+use crate::artifacts::memory;
 
 /// Most values of each list of lists.
 const MAX_VALUES: u32 = 250_000;
@@ -26,6 +29,50 @@ pub fn shown(run: &Run, robot: u32, is_live: bool) -> Option<Learnt> {
         budget_bytes: run.spec().memory_budget_bytes,
         clusters_saturated: learnt.memory.clusters_saturated,
         table: table.map(|((codebook, repository), choice)| told(codebook, repository, choice)),
+    })
+}
+
+/// How far at most `limit` robots from a number on have learnt; `None` where they learn nothing. The
+/// run itself does not know its id.
+pub fn learning(run: &Run, from: u32, limit: u32, is_live: bool) -> Option<Learning> {
+    if !run.learns() {
+        return None;
+    }
+    let held = run.memory();
+    let to = from.saturating_add(limit).min(run.spec().robots);
+    let robot = |robot: usize| run.learnt_among(robot..robot + 1, &held).next();
+    let clusters = robot(0).map_or_else(ClusterCounts::default, |(_, first)| ClusterCounts {
+        sensor: first.clusters.0,
+        actuator: first.clusters.1,
+        sensori_motor: first.sensori_motor_clusters.unwrap_or(0),
+    });
+    let items = run.learnt_among(from as usize..to as usize, &held);
+    let progress = run.progress();
+    Some(Learning {
+        run_id: String::new(),
+        is_live,
+        phase: progress.phase.name().to_owned(),
+        epochs_done: progress.epochs_done,
+        epochs_total: progress.epochs_total,
+        arena_step: Some(run.step()),
+        robots: run.spec().robots,
+        budget_bytes: run.spec().memory_budget_bytes,
+        memory: memory(&held, run.memory_plan()),
+        clusters,
+        model: None,
+        items: items
+            .map(|(robot, learnt)| RobotLearning {
+                // A run has at most 100,000 robots.
+                robot: robot as u32,
+                sensor_clusters: learnt.clusters.0,
+                actuator_clusters: learnt.clusters.1,
+                sensori_motor_clusters: learnt.sensori_motor_clusters,
+                fitness: learnt.fitness.filter(|fitness| fitness.is_finite()),
+                bytes: learnt.memory.bytes,
+                clusters_saturated: learnt.memory.clusters_saturated,
+            })
+            .collect(),
+        next: (to < run.spec().robots).then(|| to.to_string()),
     })
 }
 

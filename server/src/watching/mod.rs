@@ -1,5 +1,5 @@
-//! What pages see of a run while a worker steps it: pictures of where robots are, and what a robot
-//! has learnt. Nothing is copied while nobody looks, and no result depends on who does.
+//! What pages see of a run while a worker steps it: pictures of where robots are, and what
+//! they have learnt. Nothing is copied while nobody looks, and no result depends on who does.
 
 mod frame;
 mod learnt;
@@ -7,6 +7,6 @@ mod observer;
 mod window;
 
 pub use frame::{covered, hello, waiting};
-pub use learnt::shown;
+pub use learnt::{learning, shown};
 pub use observer::Watched;
-pub use window::{Answer, Viewer, Window};
+pub use window::{Viewer, Window};

@@ -1,25 +1,45 @@
 //! Between a run's thread and those who look at the run: the latest pictures, which a slow viewer
 //! skips, and questions that the thread answers between two blocks.
 
+use std::fmt;
 use std::sync::{Mutex, PoisonError};
 
 use bytes::Bytes;
 use swarm::run::Run;
 use tokio::sync::{oneshot, watch};
 
-use super::{frame, learnt};
+use super::frame;
 
 /// Most questions that wait for an answer.
 const MAX_QUESTIONS: usize = 64;
 
-/// What a robot has learnt; `None` where it learns nothing.
-pub type Answer = Option<Box<api::learnt::Learnt>>;
+/// Something that is asked of a run.
+trait Question: Send {
+    /// Whether whoever asked has gone.
+    fn is_gone(&self) -> bool;
+    fn answer(self: Box<Self>, run: &Run);
+}
 
-/// What has the robot of this number learnt?
-#[derive(Debug)]
-struct Question {
-    robot: u32,
-    answer: oneshot::Sender<Answer>,
+struct Asked<T, L> {
+    look: L,
+    answer: oneshot::Sender<T>,
+}
+
+impl<T: Send, L: FnOnce(&Run) -> T + Send> Question for Asked<T, L> {
+    fn is_gone(&self) -> bool {
+        self.answer.is_closed()
+    }
+
+    fn answer(self: Box<Self>, run: &Run) {
+        // Whoever asked may have gone.
+        drop(self.answer.send((self.look)(run)));
+    }
+}
+
+impl fmt::Debug for dyn Question {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("Question")
+    }
 }
 
 /// Where a run can be looked at.
@@ -27,7 +47,7 @@ struct Question {
 pub struct Window {
     frames: watch::Sender<Bytes>,
     squares: watch::Sender<Bytes>,
-    questions: Mutex<Vec<Question>>,
+    questions: Mutex<Vec<Box<dyn Question>>>,
 }
 
 /// Who looks at a run.
@@ -47,15 +67,18 @@ impl Window {
         }
     }
 
-    /// Asks what a robot has learnt; `None` where too many ask already.
-    pub fn ask(&self, robot: u32) -> Option<oneshot::Receiver<Answer>> {
+    /// Asks what a look at the run says, between two blocks; `None` where too many ask already.
+    pub fn ask<T: Send + 'static>(
+        &self,
+        look: impl FnOnce(&Run) -> T + Send + 'static,
+    ) -> Option<oneshot::Receiver<T>> {
         let mut questions = self.questions();
-        questions.retain(|question| !question.answer.is_closed());
+        questions.retain(|question| !question.is_gone());
         if questions.len() >= MAX_QUESTIONS {
             return None;
         }
         let (answer, answered) = oneshot::channel();
-        questions.push(Question { robot, answer });
+        questions.push(Box::new(Asked { look, answer }));
         Some(answered)
     }
 
@@ -74,14 +97,12 @@ impl Window {
 
     pub(super) fn answer(&self, run: &Run) {
         let questions = std::mem::take(&mut *self.questions());
-        for Question { robot, answer } in questions {
-            let learnt = learnt::shown(run, robot, true);
-            // Whoever asked may have gone.
-            drop(answer.send(learnt.map(Box::new)));
+        for question in questions {
+            question.answer(run);
         }
     }
 
-    fn questions(&self) -> std::sync::MutexGuard<'_, Vec<Question>> {
+    fn questions(&self) -> std::sync::MutexGuard<'_, Vec<Box<dyn Question>>> {
         self.questions
             .lock()
             .unwrap_or_else(PoisonError::into_inner)

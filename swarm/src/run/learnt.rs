@@ -1,5 +1,7 @@
 //! What one robot has learnt so far, for whoever looks into a run on the way.
 
+use std::ops::Range;
+
 use super::learners::Learners;
 use super::machine::Run;
 use super::robot_memory::RobotMemory;
@@ -42,7 +44,20 @@ impl Run {
     /// What a robot has learnt so far; `None` where its method learns nothing, or there is no such
     /// robot.
     pub fn learnt(&self, robot: usize) -> Option<Learnt<'_>> {
-        let memory = *self.memory().get(robot)?;
+        self.learnt_by(robot, *self.memory().get(robot)?)
+    }
+
+    /// The same of some robots, in order, as far as there are so many and they learn; `memory` is
+    /// [`Run::memory`].
+    pub fn learnt_among<'a>(
+        &'a self,
+        robots: Range<usize>,
+        memory: &'a [RobotMemory],
+    ) -> impl Iterator<Item = (usize, Learnt<'a>)> {
+        robots.filter_map(|robot| Some((robot, self.learnt_by(robot, *memory.get(robot)?)?)))
+    }
+
+    fn learnt_by(&self, robot: usize, memory: RobotMemory) -> Option<Learnt<'_>> {
         let none = Learnt {
             phase: self.progress().phase,
             clusters: (0, 0),

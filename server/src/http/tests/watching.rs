@@ -83,6 +83,15 @@ async fn a_run_is_seen_and_asked_and_none_the_worse_for_it() {
                         (&json!(2), &json!(true))
                     );
                     assert!(learnt["bytes"].as_u64() <= learnt["most_bytes"].as_u64());
+                    let learning = service.get(&format!("{run}/learning?limit=2")).await.json();
+                    assert_eq!(
+                        (&learning["is_live"], &learning["next"], &learning["model"]),
+                        (&json!(true), &json!("2"), &Value::Null)
+                    );
+                    let robots = learning["items"].as_array().unwrap();
+                    let most = learning["memory"]["plan"]["bytes"].as_u64();
+                    let holds = |robot: &Value| robot["bytes"].as_u64() <= most;
+                    assert!(robots.len() == 2 && robots.iter().all(holds), "{learning}");
                     asked = true;
                 }
             }
@@ -123,6 +132,40 @@ async fn a_run_is_seen_and_asked_and_none_the_worse_for_it() {
         (&json!(false), &json!("done"))
     );
     assert!(last["table"]["counts"].is_array(), "{last}");
+    let page = format!("{run}/learning?limit=2&cursor=1");
+    let learning = service.get(&page).await.json();
+    let robots = learning["items"].as_array().unwrap();
+    let numbers: Vec<&Value> = robots.iter().map(|robot| &robot["robot"]).collect();
+    assert_eq!(numbers, [&json!(1), &json!(2)]);
+    for field in ["sensor_clusters", "actuator_clusters", "bytes"] {
+        assert_eq!(robots[0][field], last[field], "{field}");
+    }
+    assert_eq!(
+        (&learning["phase"], &learning["next"]),
+        (&json!("done"), &Value::Null)
+    );
+    for field in ["model", "memory", "clusters"] {
+        assert_eq!(learning[field], result[field], "{field}");
+    }
+    assert!(learning["model"]["pairs"].as_u64() > Some(0), "{learning}");
+    // Once its last state is not kept, what its result tells.
+    std::fs::remove_dir_all(service.dir.path().join("finals")).unwrap();
+    let rest = service.get(&page).await.json();
+    assert_eq!(
+        (&rest["items"], &rest["arena_step"]),
+        (&json!([]), &Value::Null)
+    );
+    for field in [
+        "run_id",
+        "model",
+        "memory",
+        "clusters",
+        "robots",
+        "phase",
+        "epochs_done",
+    ] {
+        assert_eq!(rest[field], learning[field], "{field}");
+    }
     let reach = service.get(&format!("{run}/reach")).await.json();
     assert_eq!(reach["reachable"], result["reachable"]);
     let rows = reach["reachable_rows"].as_array().unwrap();
@@ -169,6 +212,16 @@ async fn what_was_learnt_is_told_of_a_paused_run_and_refused_where_nothing_is() 
     }
     assert!(table["state"].as_u64() < Some(states as u64));
     assert_eq!(table["states"][0].as_array().unwrap().len(), 8);
+    let learning = service.get(&format!("{run}/learning")).await.json();
+    assert_eq!(
+        (
+            &learning["is_live"],
+            &learning["arena_step"],
+            &learning["phase"]
+        ),
+        (&json!(false), &learnt["arena_step"], &learnt["phase"])
+    );
+    assert_eq!(learning["items"][1]["bytes"], learnt["bytes"]);
     for (robot, status) in [("3", 409), ("-1", 400), ("x", 400)] {
         let answer = service.get(&format!("{run}/learnt?robot={robot}")).await;
         assert_problem(&answer, status);
@@ -181,7 +234,9 @@ async fn what_was_learnt_is_told_of_a_paused_run_and_refused_where_nothing_is() 
     let walks = service.job(&job(1_000_000, 1)).await;
     let walker = only_run(&service, &walks).await;
     let nothing = "what a robot has learnt by a method that learns nothing";
-    assert_refused(&service.get(&format!("{walker}/learnt")).await, nothing);
+    for what in ["learnt", "learning"] {
+        assert_refused(&service.get(&format!("{walker}/{what}")).await, nothing);
+    }
     assert_eq!(
         service
             .ask("POST", &format!("{walker}/cancel"))
@@ -190,7 +245,9 @@ async fn what_was_learnt_is_told_of_a_paused_run_and_refused_where_nothing_is() 
         200
     );
     let not_kept = "what a cancelled run covered";
-    assert_refused(&service.get(&format!("{walker}/learnt")).await, not_kept);
+    for what in ["learnt", "learning"] {
+        assert_refused(&service.get(&format!("{walker}/{what}")).await, not_kept);
+    }
 }
 
 #[tokio::test]
