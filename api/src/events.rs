@@ -1,4 +1,4 @@
-//! What listeners to a job or a run hear: server-sent events, each with a name and a JSON document.
+//! What listeners to all jobs, a job or a run hear: server-sent events, each with a name and a JSON document.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -7,7 +7,8 @@ use crate::job::{Job, RunSummary};
 use crate::result::{CurveRow, MetricsRow};
 use crate::state::{Progress, State};
 
-/// An event of `/v1/jobs/{id}/events` or `/v1/runs/{id}/events`. Its tag is the event's name.
+/// An event of `/v1/events`, `/v1/jobs/{id}/events` or `/v1/runs/{id}/events`. Its tag is the event's
+/// name.
 ///
 /// Every change of state comes, in order, with an id: a listener that comes back with
 /// `Last-Event-ID` misses none. The others show the latest, at most twice a second, and have no id;
@@ -17,8 +18,11 @@ use crate::state::{Progress, State};
 pub enum Event {
     /// A run's state changed.
     State(StateChange),
-    /// The job as it is: at first, and whenever it has changed.
+    /// The job as it is: at first, and whenever it has changed. Of all jobs these are the newest 500
+    /// and, of older ones, up to 500 that are not over.
     Job(Box<Job>),
+    /// A job was deleted; heard by listeners to all.
+    Gone(JobGone),
     /// The run as it is: at first, and whenever older changes of state are not kept any more.
     Run(Box<RunSummary>),
     /// How far the run is.
@@ -34,10 +38,17 @@ pub enum Event {
 pub struct StateChange {
     /// Id of the run.
     pub run_id: String,
-    /// Its place in the job that is listened to; 0 where a run is.
+    /// Its place in the job that is listened to; 0 where a run is, or where all are.
     pub index: u64,
     /// What it became.
     pub state: State,
+}
+
+/// A job was deleted.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct JobGone {
+    /// Id that it had.
+    pub job_id: String,
 }
 
 impl Event {
@@ -46,6 +57,7 @@ impl Event {
         match self {
             Event::State(_) => "state",
             Event::Job(_) => "job",
+            Event::Gone(_) => "gone",
             Event::Run(_) => "run",
             Event::Progress(_) => "progress",
             Event::Coverage(_) => "coverage",

@@ -80,6 +80,10 @@ pub struct RunSummary {
     pub progress: Option<Progress>,
     /// What it found; null until it is done.
     pub result: Option<RunResult>,
+    /// Processor time a robot-step, nanoseconds, of the last time that a worker held it: tells of
+    /// the machine, not of what it found. Null until it is done.
+    #[serde(default)]
+    pub cpu_ns_per_robot_step: Option<f64>,
     /// Why it failed, or what it waits for where it paused by itself; null otherwise.
     pub error: Option<String>,
     /// The state of another run that it goes on from; null where it starts at its beginning. Its id

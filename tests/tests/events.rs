@@ -111,12 +111,102 @@ fn a_slow_listener_hears_every_change_of_three_hundred_runs() {
     assert_eq!(done, 300 - begun.runs.done);
 }
 
+/// Whether a job of this id has come so far.
+fn is_job(event: &Event, id: &str, state: State) -> bool {
+    matches!(event, Event::Job(shown) if shown.id == id && shown.state == state)
+}
+
+#[test]
+fn whoever_listens_to_all_hears_of_every_job_and_of_one_run_more() {
+    let home = tempfile::tempdir().unwrap();
+    let server = Server::start_with(home.path(), &["--threads", "1"]);
+    let old = server.submit(&job(small_spec(), 1));
+    server.wait_for(&old);
+    let mut listener = server.listen("/v1/events", None);
+    let first = listener.next().unwrap();
+    assert!(is_job(&first.event, &old.id, State::Done), "{first:?}");
+    assert!(!first.id.is_empty(), "it says where to go on from");
+
+    let mut spec = small_spec();
+    spec["epochs"] = json!(1_000_000);
+    let long = server.submit(&job(spec, 1));
+    let run = server.only_run(&long);
+    // The progress of what runs is heard of, again and again.
+    listener.until(|event| is_job(event, &long.id, State::Running));
+    let further = |event: &Event| matches!(event, Event::Job(job) if job.progress > 0.0);
+    listener.until(further);
+    let path = format!("/v1/events?run={}", run.id);
+    let mut nearer = server.listen(&path, Some(&first.id));
+    let heard = nearer.until(|event| matches!(event, Event::Progress(_)));
+    let begun = |heard: &Heard| matches!(&heard.event, Event::Run(shown) if shown.id == run.id);
+    assert!(heard.iter().any(begun), "{heard:?}");
+    assert!(
+        changes(&heard)
+            .iter()
+            .any(|change| change.state == State::Running)
+    );
+
+    let cancel = format!("/v1/jobs/{}/cancel", long.id);
+    assert_eq!(server.send("POST", &cancel, &[], b"").status, 200);
+    let heard = listener.until(|event| is_job(event, &long.id, State::Cancelled));
+    assert!(
+        changes(&heard)
+            .iter()
+            .any(|change| change.run_id == run.id && change.state == State::Cancelled)
+    );
+    nearer.until(|event| matches!(event, Event::Run(shown) if shown.state == State::Cancelled));
+    for gone in [&old, &long] {
+        let path = format!("/v1/jobs/{}", gone.id);
+        assert_eq!(server.send("DELETE", &path, &[], b"").status, 204);
+        listener.until(|event| matches!(event, Event::Gone(told) if told.job_id == gone.id));
+    }
+}
+
+#[test]
+fn a_slow_listener_to_all_hears_every_change_of_six_hundred_runs() {
+    let home = tempfile::tempdir().unwrap();
+    let server = Server::start(home.path());
+    let mut listener = server.listen("/v1/events", None);
+    let first = {
+        let posted = server.submit(&job(small_spec(), 1));
+        let heard = listener.until(|event| is_job(event, &posted.id, State::Done));
+        heard
+            .iter()
+            .rev()
+            .find_map(|heard| Some(heard.id.clone()).filter(|id| !id.is_empty()))
+    };
+    let mut spec = small_spec();
+    spec["epochs"] = json!(1);
+    spec["steps_per_epoch"] = json!(10);
+    let posted = [1, 2].map(|number| {
+        spec["robots"] = json!(number);
+        server.submit(&job(spec.clone(), 300))
+    });
+    for job in &posted {
+        server.wait_for(job);
+    }
+    // Only now does one read on, and another come back.
+    for mut listener in [listener, server.listen("/v1/events", first.as_deref())] {
+        let mut done = 0;
+        while done < 600 {
+            let heard = listener.next().unwrap();
+            done += changes(&[heard])
+                .iter()
+                .filter(|change| change.state == State::Done)
+                .count();
+        }
+        assert_eq!(done, 600);
+    }
+}
+
 #[test]
 fn what_cannot_be_listened_to_is_refused() {
     let home = tempfile::tempdir().unwrap();
     let server = Server::start(home.path());
     server.get("/v1/jobs/7/events").problem(404);
     server.get("/v1/runs/7/events").problem(404);
+    server.get("/v1/events?run=7").problem(404);
+    server.get("/v1/events?job=7").problem(400);
     let posted = server.submit(&job(small_spec(), 1));
     let path = format!("/v1/jobs/{}/events", posted.id);
     for wrong in ["x", "-1", ""] {

@@ -36,22 +36,30 @@ pub struct Feed {
 struct State {
     hub: Arc<Hub>,
     subject: Subject,
+    /// The run that a listener to all wants to hear more of, and its id.
+    and_run: Option<(RunKey, String)>,
     /// Number of the last change that was told; `None` before the first look.
     after: Option<u64>,
+    /// More changes than one look takes in: the next look is at once.
+    is_behind: bool,
     job: Option<Job>,
+    /// The look at all jobs that was told last.
+    all: Option<u64>,
     robot_steps: Option<u64>,
     epochs: u32,
     metrics_steps: u64,
 }
 
 impl Feed {
-    /// A listener. One that comes back says the number of the last change that it heard.
+    /// A listener. One that comes back says the number of the last change that it heard; one to all
+    /// may want to hear of a run what listeners to it do.
     ///
     /// # Errors
     /// When there are too many.
     pub fn open(
         hub: &Arc<Hub>,
         subject: Subject,
+        and_run: Option<(RunKey, String)>,
         heard: Option<u64>,
     ) -> Result<Self, TooManyListeners> {
         let mut place = hub.place()?;
@@ -60,8 +68,11 @@ impl Feed {
             state: Some(State {
                 hub: Arc::clone(hub),
                 subject,
+                and_run,
                 after: heard,
+                is_behind: false,
                 job: None,
+                all: None,
                 robot_steps: None,
                 epochs: 0,
                 metrics_steps: 0,
@@ -74,7 +85,8 @@ impl Feed {
     /// Waits for something new. `None` when the job or run is gone, or cannot be read.
     pub async fn next(&mut self) -> Option<Vec<Told>> {
         loop {
-            if let Some(looked) = self.looked {
+            let is_behind = self.state.as_ref()?.is_behind;
+            if let Some(looked) = self.looked.filter(|_| !is_behind) {
                 tokio::select! {
                     changed = self.place.newest.changed() => changed.ok()?,
                     () = tokio::time::sleep_until(looked + PROGRESS_EVERY) => {}
@@ -115,8 +127,8 @@ impl State {
             Some(after) => after,
             None => self.hub.store.newest_change()?,
         };
-        let mut is_cut = after < newest;
-        while is_cut {
+        self.is_behind = false;
+        if after < newest {
             let changes = self.hub.store.changes(self.subject, after)?;
             after = changes.after;
             is_incomplete |= changes.is_incomplete;
@@ -128,7 +140,7 @@ impl State {
                     state: change.state,
                 }),
             }));
-            is_cut = changes.is_cut;
+            self.is_behind = changes.is_cut;
         }
         self.after = Some(after);
         let id = (is_first || is_incomplete).then_some(after);
@@ -144,23 +156,40 @@ impl State {
                 }
                 true
             }
-            Subject::Run(key) => self.look_at_run(key, id, &mut told)?,
+            Subject::All => {
+                let heard = self.all.filter(|_| id.is_none());
+                let Some((events, look)) = self.hub.all_since(heard)? else {
+                    return Ok(None);
+                };
+                let is_first = self.all.replace(look).is_none();
+                if let Some((run, run_id)) = self.and_run.clone() {
+                    let is_wanted = is_first || id.is_some() || has_ended(&told, Some(&run_id));
+                    self.look_at_run(run, None, is_wanted, &mut told)?;
+                }
+                told.extend(events.into_iter().map(|event| Told { id: None, event }));
+                // Whoever comes back after that goes on behind all of them.
+                if let Some(last) = told.last_mut() {
+                    last.id = last.id.or(id);
+                }
+                true
+            }
+            Subject::Run(key) => {
+                let is_wanted = id.is_some() || has_ended(&told, None);
+                self.look_at_run(key, id, is_wanted, &mut told)?
+            }
         };
         Ok(there.then_some(told))
     }
 
-    /// Whether the run is there.
+    /// Whether the run is there. How it is is wanted at first, and its result at the end.
     fn look_at_run(
         &mut self,
         key: RunKey,
         id: Option<u64>,
+        is_wanted: bool,
         told: &mut Vec<Told>,
     ) -> Result<bool, StoreError> {
-        let ended = told.last().is_some_and(
-            |told| matches!(&told.event, Event::State(change) if change.state.is_final()),
-        );
-        // How it is at first, and its result at the end.
-        if id.is_some() || ended {
+        if is_wanted {
             let Some(view) = self.hub.store.run_by_key(key)? else {
                 return Ok(false);
             };
@@ -204,4 +233,13 @@ impl State {
             }
         }
     }
+}
+
+/// Whether what is told is of the end of a run: of this one, or of the one that all of it is about.
+fn has_ended(told: &[Told], run: Option<&str>) -> bool {
+    let changes = told.iter().filter_map(|told| match &told.event {
+        Event::State(change) if run.is_none_or(|run| run == change.run_id) => Some(change),
+        _ => None,
+    });
+    changes.last().is_some_and(|change| change.state.is_final())
 }

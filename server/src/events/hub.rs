@@ -6,11 +6,13 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
 use api::Job;
+use api::events::Event;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, watch};
 
+use super::board::{Board, Jobs};
 use crate::findings::views;
 use crate::scheduler::Scheduler;
-use crate::store::{JobKey, Store, StoreError};
+use crate::store::{JobKey, JobMark, Store, StoreError};
 
 /// Most listeners at once.
 pub const MAX_LISTENERS: usize = 512;
@@ -40,6 +42,7 @@ pub struct Hub {
     places: Arc<Semaphore>,
     newest: watch::Sender<u64>,
     jobs: Mutex<BTreeMap<JobKey, (Instant, Job)>>,
+    board: Mutex<Board>,
 }
 
 impl Hub {
@@ -51,6 +54,7 @@ impl Hub {
             places: Arc::new(Semaphore::new(MAX_LISTENERS)),
             newest: watch::Sender::new(0),
             jobs: Mutex::default(),
+            board: Mutex::default(),
         });
         let watched = Arc::downgrade(&hub);
         let thread = std::thread::Builder::new()
@@ -85,15 +89,35 @@ impl Hub {
         {
             return Ok(Some(job.clone()));
         }
-        let Some(view) = self.store.job(key)? else {
+        let Some(job) = Jobs::job(self, key)? else {
             return Ok(None);
         };
-        let job = views::job(&view, &self.scheduler);
         if jobs.len() >= MAX_JOBS_KEPT {
             jobs.clear();
         }
         jobs.insert(key, (Instant::now(), job.clone()));
         Ok(Some(job))
+    }
+
+    /// What has changed of all jobs since the look of this number, all of them for none; and the
+    /// number of the last look. `None` for whoever has missed too much.
+    pub(super) fn all_since(
+        &self,
+        heard: Option<u64>,
+    ) -> Result<Option<(Vec<Event>, u64)>, StoreError> {
+        let mut board = self.board.lock().unwrap_or_else(PoisonError::into_inner);
+        board.since(self, heard)
+    }
+}
+
+impl Jobs for Hub {
+    fn marks(&self) -> Result<Vec<JobMark>, StoreError> {
+        self.store.job_marks()
+    }
+
+    fn job(&self, key: JobKey) -> Result<Option<Job>, StoreError> {
+        let view = self.store.job(key)?;
+        Ok(view.map(|view| views::job(&view, &self.scheduler)))
     }
 }
 

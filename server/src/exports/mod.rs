@@ -118,7 +118,7 @@ pub fn write(
             match table {
                 Table::Runs => {
                     row.extend(spec::cells(store.spec(run.seq)?.as_deref()));
-                    row.extend(measures::cells(run.result(), store.cost(run.seq)?));
+                    row.extend(measures::cells(run.result(), run.cpu_ns_per_robot_step));
                     rows.add(&row)?;
                 }
                 Table::Curves => {

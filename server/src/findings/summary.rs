@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use api::JobSummary;
 use api::comparison::Comparison;
-use api::{JobSummary, State};
 
 use super::{Assembler, FindingsError};
 use crate::documents::Design;
@@ -63,7 +63,7 @@ impl Assembler {
             runs: runs.len() as u64,
             robots: robots.collect::<Result<_, _>>()?,
             labels: parts.into_iter().flat_map(|part| part.labels).collect(),
-            finished: self.finished(runs)?,
+            finished: finished(runs),
             told: BTreeMap::new(),
             designs,
         })
@@ -102,23 +102,6 @@ impl Assembler {
             .collect()
     }
 
-    fn finished(&self, runs: &[RunView]) -> Result<Vec<FinishedRun>, FindingsError> {
-        let mut finished = Vec::new();
-        for run in runs {
-            let Some(result) = run.result() else { continue };
-            if run.state.state() == State::Done {
-                finished.push(FinishedRun {
-                    id: run.id.clone(),
-                    place: run.ordinal,
-                    seed: run.seed,
-                    result: result.clone(),
-                    cpu_ns_per_robot_step: self.store.cost(run.seq)?,
-                });
-            }
-        }
-        Ok(finished)
-    }
-
     /// Robots of a run, from its stored spec.
     fn robots(&self, run: &RunView) -> Result<u32, FindingsError> {
         let why = |why: String| FindingsError::broken(format!("run {}", run.id), why);
@@ -128,6 +111,18 @@ impl Assembler {
         spec.robots
             .ok_or_else(|| why("its spec does not say how many robots it has".to_owned()))
     }
+}
+
+fn finished(runs: &[RunView]) -> Vec<FinishedRun> {
+    let done = runs.iter().filter_map(|run| Some((run, run.result()?)));
+    done.map(|(run, result)| FinishedRun {
+        id: run.id.clone(),
+        place: run.ordinal,
+        seed: run.seed,
+        result: result.clone(),
+        cpu_ns_per_robot_step: run.cpu_ns_per_robot_step,
+    })
+    .collect()
 }
 
 fn broken(job: JobKey, why: impl ToString) -> FindingsError {

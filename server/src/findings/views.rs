@@ -54,6 +54,7 @@ pub fn run(view: &RunView, scheduler: &Scheduler) -> RunSummary {
         state: view.state.state(),
         progress,
         result: view.result().cloned(),
+        cpu_ns_per_robot_step: view.cpu_ns_per_robot_step,
         error: match &view.state {
             RunState::Failed { reason } | RunState::Damaged { reason } => Some(reason.clone()),
             _ => view.waits.clone(),

@@ -1,9 +1,9 @@
-//! `/v1/jobs/{id}/events` and `/v1/runs/{id}/events`: server-sent events.
+//! `/v1/events`, `/v1/jobs/{id}/events` and `/v1/runs/{id}/events`: server-sent events.
 
 use std::convert::Infallible;
 use std::time::Duration;
 
-use api::ProblemCode::{self, TooManyListeners};
+use api::ProblemCode::{self, RunNotFound, TooManyListeners};
 use axum::extract::State;
 use axum::http::HeaderMap;
 use axum::response::sse::{Event, KeepAlive, Sse};
@@ -14,10 +14,11 @@ use serde_json::json;
 use super::App;
 use super::extract::{FoundJob, FoundRun};
 use super::operation::{EVENTS, Operation};
+use super::query::{Parameter, Query};
 use super::refusal::Refusal;
 use super::routes::Routes;
 use crate::events::{Feed, Told};
-use crate::store::Subject;
+use crate::store::{RunKey, Subject};
 
 /// How soon a browser asks again when the connection is lost.
 const RETRY: Duration = Duration::from_secs(2);
@@ -26,8 +27,20 @@ const KEEP_ALIVE: Duration = Duration::from_secs(15);
 /// Longest time of a stream; whoever listens on asks again, with the id of the last event.
 const LIFE: Duration = Duration::from_secs(60 * 60);
 
+const RUN: Parameter = Parameter::text(
+    "run",
+    "Id of a run of which also is told what listeners to it hear.",
+);
+
 pub fn routes() -> Routes {
     Routes::new()
+        .get(
+            "/events",
+            of_all,
+            listening("listenToAll", "Events of all jobs and runs")
+                .query(&[RUN])
+                .refuses(&[RunNotFound]),
+        )
         .get(
             "/jobs/{id}/events",
             of_job,
@@ -57,12 +70,27 @@ fn listening(id: &str, about: &str) -> Operation {
         .refuses(&[TooManyListeners])
 }
 
+async fn of_all(
+    State(app): State<App>,
+    query: Query,
+    headers: HeaderMap,
+) -> Result<Response, Refusal> {
+    let run = match query.text(&RUN)? {
+        Some(id) => {
+            let run = app.blocking(move |app| app.run(&id)).await?;
+            Some((run.seq, run.id))
+        }
+        None => None,
+    };
+    listen(&app, Subject::All, run, &headers)
+}
+
 async fn of_job(
     State(app): State<App>,
     FoundJob(job): FoundJob,
     headers: HeaderMap,
 ) -> Result<Response, Refusal> {
-    listen(&app, Subject::Job(job.seq), &headers)
+    listen(&app, Subject::Job(job.seq), None, &headers)
 }
 
 async fn of_run(
@@ -70,10 +98,15 @@ async fn of_run(
     FoundRun(run): FoundRun,
     headers: HeaderMap,
 ) -> Result<Response, Refusal> {
-    listen(&app, Subject::Run(run.seq), &headers)
+    listen(&app, Subject::Run(run.seq), None, &headers)
 }
 
-fn listen(app: &App, subject: Subject, headers: &HeaderMap) -> Result<Response, Refusal> {
+fn listen(
+    app: &App,
+    subject: Subject,
+    and_run: Option<(RunKey, String)>,
+    headers: &HeaderMap,
+) -> Result<Response, Refusal> {
     let heard = match headers.get("last-event-id") {
         None => None,
         Some(id) => Some(
@@ -88,7 +121,7 @@ fn listen(app: &App, subject: Subject, headers: &HeaderMap) -> Result<Response, 
                 })?,
         ),
     };
-    let feed = Feed::open(&app.events, subject, heard).map_err(|error| {
+    let feed = Feed::open(&app.events, subject, and_run, heard).map_err(|error| {
         Refusal::new(ProblemCode::TooManyListeners, error.to_string()).retry_after_s(5)
     })?;
     let life = tokio::time::sleep(LIFE);

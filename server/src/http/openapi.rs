@@ -17,7 +17,11 @@ const SCHEMAS: &str = "#/components/schemas/";
 
 /// What operations are grouped by, in order: the group, what it is about, how its paths begin.
 const GROUPS: [(&str, &str, &[&str]); 7] = [
-    ("jobs", "Experiments: many runs", &["/v1/jobs"]),
+    (
+        "jobs",
+        "Experiments: many runs",
+        &["/v1/jobs", "/v1/events"],
+    ),
     ("runs", "Single runs, and what they find", &["/v1/runs"]),
     ("arenas", "Where robots move", &["/v1/arenas"]),
     ("catalog", "What jobs can be made of", &["/v1/"]),

@@ -13,6 +13,8 @@ const MOST: u32 = 500;
 /// Of which changes somebody wants to hear.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Subject {
+    /// Of all.
+    All,
     /// Of a job's runs, and of what its owner wants.
     Job(JobKey),
     /// Of a run.
@@ -26,7 +28,7 @@ pub struct Change {
     pub id: u64,
     /// Id of the run.
     pub run: String,
-    /// Its place in the job that is listened to; 0 where a run is.
+    /// Its place in the job that is listened to; 0 where a run is, or where all are.
     pub ordinal: u64,
     /// What it became.
     pub state: State,
@@ -81,6 +83,14 @@ impl Store {
             Ok((from_sql(id), run, from_sql(ordinal), state))
         };
         let found: Vec<(u64, String, u64, String)> = match subject {
+            Subject::All => reader
+                .prepare_cached(
+                    "SELECT changes.id, runs.id, 0, changes.state
+                     FROM changes JOIN runs ON runs.seq = changes.run
+                     WHERE changes.id > ?1 AND changes.id <= ?2 ORDER BY changes.id LIMIT ?3",
+                )?
+                .query_map(params![to_sql(after), to_sql(newest), MOST], read)?
+                .collect::<Result<_, _>>()?,
             Subject::Job(job) => reader
                 .prepare_cached(
                     "SELECT changes.id, runs.id, job_runs.ordinal, changes.state

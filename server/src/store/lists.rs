@@ -46,7 +46,47 @@ pub struct Page<T, K> {
     pub next: Option<K>,
 }
 
+/// Jobs of each kind that have a mark.
+const MARKED: u32 = 500;
+
+/// What changes when a job does, but for the progress of its runs that are being stepped.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct JobMark {
+    /// Key.
+    pub seq: JobKey,
+    /// Equal for jobs that are shown alike.
+    pub text: String,
+}
+
 impl Store {
+    /// Marks of the newest 500 jobs and, of older ones, of the newest 500 that are not over.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn job_marks(&self) -> Result<Vec<JobMark>, StoreError> {
+        Ok(self
+            .reader()
+            .prepare_cached(&format!(
+                "WITH newest AS ({columns} ORDER BY seq DESC LIMIT ?1),
+                 older AS ({columns} AND seq < (SELECT min(seq) FROM newest) AND seq IN (
+                        SELECT job FROM job_totals
+                        WHERE state IN ('queued', 'running', 'paused') AND runs > 0)
+                    ORDER BY seq DESC LIMIT ?1)
+                 SELECT seq, concat(intent, ' ', priority, (
+                    SELECT group_concat(concat(' ', state, ' ', runs, ' ', work_done, ' ', work_total), '')
+                    FROM job_totals WHERE job = seq))
+                 FROM (SELECT * FROM newest UNION ALL SELECT * FROM older)",
+                columns = jobs::COLUMNS
+            ))?
+            .query_map([MARKED], |row| {
+                Ok(JobMark {
+                    seq: row.get(0)?,
+                    text: row.get(1)?,
+                })
+            })?
+            .collect::<Result<_, _>>()?)
+    }
+
     /// At most `limit` jobs after the one of this key. A page may hold fewer although there are
     /// more: only so many are looked at.
     ///

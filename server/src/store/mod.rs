@@ -46,7 +46,7 @@ pub use findings::Findings;
 pub use history::{Change, Changes, Subject};
 pub use jobs::{JobView, RunningRun};
 pub use keys::{JobKey, RunKey};
-pub use lists::{JobFilter, RunFilter};
+pub use lists::{JobFilter, JobMark, RunFilter};
 pub use recordings::Recordings;
 pub use results::Finished;
 pub use retention::EndedJob;

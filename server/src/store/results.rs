@@ -60,19 +60,6 @@ impl Store {
             .transpose()
     }
 
-    /// Processor time a robot-step of a finished run, nanoseconds, where it is known.
-    ///
-    /// # Errors
-    /// When the database fails.
-    pub fn cost(&self, run: RunKey) -> Result<Option<f64>, StoreError> {
-        Ok(self
-            .reader()
-            .prepare_cached("SELECT cpu_ns_per_robot_step FROM results WHERE run = ?1")?
-            .query_row([run], |row| row.get(0))
-            .optional()?
-            .flatten())
-    }
-
     /// Mean processor time a robot-step of the latest finished runs of a method and a kind of
     /// engine, nanoseconds, where there are any.
     ///

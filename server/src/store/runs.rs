@@ -63,6 +63,8 @@ pub struct RunView {
     pub origin: Option<api::RunOrigin>,
     /// What a paused run waits for, where it was not asked to pause.
     pub waits: Option<String>,
+    /// Processor time a robot-step, nanoseconds, once it is done and where that is known.
+    pub cpu_ns_per_robot_step: Option<f64>,
 }
 
 impl RunView {
@@ -80,7 +82,7 @@ const PAGE: u32 = 1_000;
 
 pub(super) const VIEW: &str = "SELECT runs.seq, id, job, ordinal, seed, arena, method, state, phase,
         epochs_done, robot_steps_done, reason, waits_for, epochs_total, robot_steps_total, result, result_sha256, label,
-        results_version, origin
+        results_version, origin, cpu_ns_per_robot_step
     FROM job_runs JOIN runs ON runs.seq = job_runs.run
     LEFT JOIN results ON results.run = runs.seq";
 
@@ -360,6 +362,7 @@ pub(super) fn view(row: &Row<'_>) -> Result<RunView, StoreError> {
             epochs_total: row.get("epochs_total").unwrap_or_default(),
             robot_steps_total: row.get("robot_steps_total").map_or(0, from_sql),
             origin: None,
+            cpu_ns_per_robot_step: None,
         })
     })
 }
@@ -403,6 +406,7 @@ fn view_whole(row: &Row<'_>) -> Result<RunView, StoreError> {
         epochs_total: row.get("epochs_total")?,
         robot_steps_total: from_sql(row.get("robot_steps_total")?),
         origin,
+        cpu_ns_per_robot_step: row.get("cpu_ns_per_robot_step")?,
     })
 }
 

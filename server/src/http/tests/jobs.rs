@@ -375,7 +375,19 @@ async fn metrics_and_summary_of_a_job_over_robots() {
     assert!(p1.name == "p1" && (p1.mean.unwrap() - expected / 3.0).abs() < 1e-9);
     let mut measures = summary.groups[0].measures.iter();
     let cost = measures.find(|measure| measure.name == "cpu_ns_per_robot_step");
-    assert!(cost.unwrap().mean.unwrap() > 0.0);
+    let mean = cost.unwrap().mean.unwrap();
+    let costs = runs[..3].iter().map(|run| &run["cpu_ns_per_robot_step"]);
+    let sum: f64 = costs.map(|cost| cost.as_f64().unwrap()).sum();
+    assert!(
+        mean > 0.0 && (sum / 3.0 - mean).abs() < 1e-9 * mean,
+        "{sum} {mean}"
+    );
+    // What a run found says nothing of the machine.
+    assert!(
+        !runs[0]["result"].to_string().contains("cpu"),
+        "{}",
+        runs[0]
+    );
     assert_eq!(summary.scaling[0].points.len(), 2);
     let csv = service.get(&format!("{job}/summary.csv")).await;
     assert_eq!(csv.media_type(), "text/csv; charset=utf-8");

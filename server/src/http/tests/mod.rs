@@ -8,6 +8,7 @@ mod damage;
 mod exports;
 mod forks;
 mod jobs;
+mod listeners;
 mod objects;
 mod openapi;
 mod operations;

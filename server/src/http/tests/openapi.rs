@@ -168,6 +168,8 @@ async fn every_described_route_is_there_and_answers_as_described() {
                 .replace("{id}", id)
                 .replace("{name}", name)
                 .replace("{code}", code);
+            // A stream that would not end, but for a run that is not there.
+            let place = place.replace("/v1/events", "/v1/events?run=77");
             let method_name = method.as_str().to_lowercase();
             let operation = &document["paths"][path][&method_name];
             let takes = operation.get("requestBody").is_some();
