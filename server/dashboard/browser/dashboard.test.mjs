@@ -36,7 +36,8 @@ test("a first visit teaches, and one button starts the first job", async () => {
 });
 
 test("a restart of the server is told, and survived", async () => {
-  const { page } = await openPage(browser, server);
+  // What cannot be reached is a message of the browser; nothing else may be.
+  const { page, wrong } = await openPage(browser, server, { expected: ["net::ERR_"] });
   const job = await server.post("/v1/jobs", { name: "goes on", base: { ...SMALL, epochs: 1_000_000, seed: 77 } });
   const run = await server.firstRun(job);
   await page.goto(`${server.url}/#/runs/${run.id}`);
@@ -53,7 +54,47 @@ test("a restart of the server is told, and survived", async () => {
   const before = await step();
   await page.waitForFunction((seen) => Number(/step ([\d,]+)/.exec(document.querySelector(".moment").textContent)?.[1].replaceAll(",", "")) > seen, before);
   await server.post(`/v1/jobs/${job.id}/cancel`, {});
+  await page.locator("article .head .badge", { hasText: "cancelled" }).waitFor();
+  assert.deepEqual(wrong, []);
   await page.close();
+});
+
+test("the list follows events and asks for nothing meanwhile; it asks where there are none", async () => {
+  for (const isHeard of [true, false]) {
+    const { page, wrong } = await openPage(browser, server, { expected: ["503"] });
+    let looks = 0;
+    const isEvents = (url) => url.pathname === "/v1/events";
+    page.on("request", (request) => { if (/\/v1\/jobs\?/.test(request.url())) looks += 1; });
+    // As where all places of listeners are taken.
+    if (!isHeard) {
+      await page.route(isEvents, (route) => route.fulfill({
+        status: 503, contentType: "application/problem+json", body: JSON.stringify({ title: "no", status: 503, code: "too-many-listeners", detail: "512 listen" }),
+      }));
+    }
+    await page.goto(`${server.url}/#/`);
+    await page.locator("#server-title").waitFor();
+    await page.locator("nav .card").first().waitFor();
+    const job = await server.post("/v1/jobs", { name: `comes ${isHeard}`, base: { ...SMALL, epochs: 1_000_000, seed: 500 + Number(isHeard) } });
+    const card = page.locator("nav .card", { hasText: `comes ${isHeard}` });
+    await card.locator(".badge", { hasText: "running" }).waitFor();
+    await page.locator("#overview-title ~ ol a", { hasText: `comes ${isHeard}` }).first().waitFor();
+    const share = () => card.locator("progress").getAttribute("value");
+    const before = await share();
+    await page.waitForFunction(([name, before]) => {
+      const card = [...document.querySelectorAll("nav .card")].find((one) => one.textContent.includes(name));
+      return card.querySelector("progress").getAttribute("value") !== before;
+    }, [`comes ${isHeard}`, before]);
+    await server.post(`/v1/jobs/${job.id}/cancel`, {});
+    await card.locator(".badge", { hasText: "cancelled" }).waitFor();
+    const deleted = await fetch(`${server.url}/v1/jobs/${job.id}`, { method: "DELETE" });
+    assert.equal(deleted.status, 204);
+    await card.waitFor({ state: "detached" });
+    if (isHeard) assert.equal(looks, 1, "asked again and again");
+    else assert.ok(looks > 2, `${looks} looks`);
+    assert.equal(await page.getByRole("alert").isVisible(), false);
+    assert.deepEqual(wrong, []);
+    await page.close();
+  }
 });
 
 test("a server with a token asks for it, and a wrong one is asked for again", async () => {

@@ -15,6 +15,8 @@ after(async () => {
 });
 
 const SMALL = { arena: "easy", epochs: 20, steps_per_epoch: 200, controller: { method: "brownian" } };
+/** So few squares that half of them are entered soon. */
+const OPEN = { name: "open", width_m: 0.6, height_m: 0.6, squares: 10, walls_m: [], starts: [{ x_m: 0.3, y_m: 0.3, heading_rad: 0 }] };
 let three;
 
 test("the winner on the page is the winner of the summary, whatever page of runs is open", async () => {
@@ -47,6 +49,15 @@ test("the winner on the page is the winner of the summary, whatever page of runs
     }
   };
   await check();
+  // Every run has a dot, also of what it cost.
+  const dots = page.getByRole("img", { name: "CPU time of a robot-step, ns of every run by group, n = 30" }).locator("circle");
+  assert.equal(await dots.count(), 30);
+  const runs = (await server.read(`/v1/jobs/${three.id}/runs?limit=200`)).items;
+  const costs = groups.map((group) => group.measures.find((one) => one.name === "cpu_ns_per_robot_step").mean);
+  groups.forEach((group, n) => {
+    const own = runs.filter((run) => run.label === group.label).map((run) => run.cpu_ns_per_robot_step);
+    assert.ok(Math.abs(own.reduce((sum, one) => sum + one, 0) / own.length - costs[n]) < 1e-6 * costs[n], group.label);
+  });
   const comparison = await server.read(`/v1/jobs/${three.id}/comparison?measure=p1`);
   assert.equal(await page.locator(".verdict").textContent(), comparison.verdict);
   assert.notEqual(comparison.verdict, "");
@@ -157,6 +168,97 @@ test("curves are in squares or shares, and a sweep of fields is a map and lines"
   assert.equal(await page.locator('[aria-label="Sweep"] rect').count(), 6);
   await assertWell(page, "sweep");
   await picture(page, "sweep", page.locator('[aria-label="Parallel coordinates"]'));
+  assert.deepEqual(wrong, []);
+  await page.close();
+});
+
+test("times over robots are drawn log-log, with the fitted slope and its interval", async () => {
+  const job = await server.post("/v1/jobs", {
+    name: "more robots",
+    base: { ...SMALL, arena: OPEN, placement: "grid", episodes: "continue", epochs: 100, steps_per_epoch: 500 },
+    matrix: { robots: [1, 2, 4, 8] }, seeds: { first: 1, count: 4 },
+  });
+  assert.equal(await server.ended(job), "done");
+  const { page, wrong } = await openPage(browser, server);
+  await page.goto(`${server.url}/#/jobs/${job.id}`);
+  const plot = page.locator("section", { has: page.getByRole("heading", { name: "Scaling over robots" }) }).locator("figure");
+  await plot.locator("svg").waitFor();
+  const [scaling] = (await server.read(`/v1/jobs/${job.id}/summary`)).scaling;
+  const fit = scaling.fits.find((one) => one.name === "t50_steps");
+  assert.equal(fit.n, 16);
+  const said = await plot.locator("figcaption").textContent();
+  const told = (value) => (Math.abs(value) >= 1 ? value.toFixed(1) : value.toPrecision(3));
+  assert.ok(said.includes(`t50 ~ N^-${told(fit.b)} [${told(fit.b_interval.low)}, ${told(fit.b_interval.high)}], n = 16`), said);
+  const drawn = await plot.locator("svg").evaluate((svg) => ({
+    rails: [...svg.querySelectorAll(".rail")].map((line) => Number(line.getAttribute("x1"))),
+    dots: [...svg.querySelectorAll("circle")].filter((dot) => dot.textContent.startsWith("t50")).map((dot) => ["cx", "cy"].map((name) => Number(dot.getAttribute(name)))),
+    line: ["x1", "x2", "y1", "y2"].map((name) => Number(svg.querySelector("line[stroke]").getAttribute(name))),
+  }));
+  // Twice the robots are always as far apart.
+  const steps = drawn.rails.slice(1).map((x, n) => x - drawn.rails[n]);
+  assert.equal(steps.length, 3);
+  assert.ok(steps.every((step) => Math.abs(step - steps[0]) < 0.1), `${steps}`);
+  // Pixels of a factor of e, up as across, from two dots; the line falls by b of them.
+  const means = scaling.points.map((point) => point.times.find((one) => one.name === "t50_steps").mean_steps);
+  const [[x1, y1], , , [x8, y8]] = drawn.dots;
+  const [across, up] = [(x8 - x1) / Math.log(8), (y8 - y1) / Math.log(means[0] / means[3])];
+  const slope = (drawn.line[3] - drawn.line[2]) / up / ((drawn.line[1] - drawn.line[0]) / across);
+  assert.ok(Math.abs(slope - fit.b) < 0.01, `drawn with ${slope}, fitted ${fit.b}`);
+  const [download] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "scaling as CSV", exact: true }).click()]);
+  const [csv] = await (await download.createReadStream()).toArray();
+  assert.ok(csv.toString().startsWith("time,robots,mean_steps,n\nt50_steps,1,"), csv.toString());
+  await assertWell(page, "scaling");
+  await picture(page, "scaling", plot);
+  assert.deepEqual(wrong, []);
+  await page.close();
+});
+
+test("the experiments of chapter 5 have a report, which is there once they have ended", async () => {
+  const { items } = await server.read("/v1/templates");
+  const methods = items.find((one) => one.name === "chapter-5").job.parts[0].matrix["controller.method"];
+  const job = await server.post("/v1/jobs", {
+    name: "chapter 5, small",
+    base: { arena: "easy", epochs: 4, steps_per_epoch: 50 }, matrix: { "controller.method": methods }, seeds: { first: 1, count: 2 },
+  });
+  const { page, wrong } = await openPage(browser, server);
+  assert.equal(await server.ended(job), "done");
+  await page.goto(`${server.url}/#/jobs/${three.id}`);
+  await page.locator(".legend li").nth(2).waitFor();
+  const link = page.getByRole("link", { name: "report on chapter 5" });
+  assert.equal(await link.isVisible(), false, "three methods have no report");
+  await page.goto(`${server.url}/#/jobs/${job.id}`);
+  await link.waitFor();
+  await link.click();
+  await page.waitForURL(/report\.html$/);
+  await page.locator("h1").first().waitFor();
+  const claims = (await server.read(`/v1/jobs/${job.id}/report`)).claims;
+  assert.equal(claims.length, 10);
+  const text = await page.locator("body").textContent();
+  for (const method of methods) assert.ok(text.includes(method), method);
+  assert.ok((await page.locator("svg, img").count()) > 0, "it has pictures");
+  await assertWell(page, "report");
+  await picture(page, "report");
+  assert.deepEqual(wrong, []);
+  await page.close();
+});
+
+test("what stands out comes first, as the summary has it, with why", async () => {
+  const { page, wrong } = await openPage(browser, server);
+  const { odd_runs: odd } = await server.read(`/v1/jobs/${three.id}/summary`);
+  await page.goto(`${server.url}/#/jobs/${three.id}`);
+  await page.locator("table.runs tbody tr").nth(29).waitFor();
+  await page.waitForFunction((count) => document.querySelectorAll("table.runs tr.odd").length === count, odd.length);
+  const shown = await page.locator("table.runs tbody tr").evaluateAll((rows, count) => rows.slice(0, count).map((row) => row.querySelector("a").hash.slice("#/runs/".length)), odd.length);
+  assert.deepEqual(shown, odd.map((one) => one.run_id));
+  // Whatever stands out can be asked why; a run of one of the groups is, and is odd or not.
+  if (odd.length > 0) {
+    await page.locator("table.runs tr.odd").first().getByRole("link", { name: "Why?" }).click();
+    await page.waitForURL(new RegExp(`runs/${odd[0].run_id}\\?explain=1`));
+    await page.locator(".explained .verdict:not(:empty)").waitFor();
+    const explanation = await page.locator(".explained .verdict").textContent();
+    await page.goto(`${server.url}/#/jobs/${three.id}`);
+    await page.locator("table.runs tr.odd", { hasText: explanation }).first().waitFor();
+  }
   assert.deepEqual(wrong, []);
   await page.close();
 });

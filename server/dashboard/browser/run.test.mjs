@@ -185,7 +185,7 @@ test("a hidden page listens to nothing, and comes back", async () => {
   const run = await server.firstRun(job);
   const { page, wrong } = await openPage(browser, server);
   const open = new Set();
-  page.on("request", (request) => { if (/(frames|events)$/.test(request.url())) open.add(request); });
+  page.on("request", (request) => { if (/(frames|events)(\?|$)/.test(request.url())) open.add(request); });
   page.on("requestfailed", (request) => open.delete(request));
   page.on("requestfinished", (request) => open.delete(request));
   await page.goto(`${server.url}/#/runs/${run.id}`);

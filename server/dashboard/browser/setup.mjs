@@ -104,7 +104,8 @@ export async function openPage(browser, server, { expected = [], ...options } = 
     const url = request.url();
     if (!url.startsWith(server.url) && !/^(data|blob):/.test(url)) wrong.push(`leaves: ${url}`);
   });
-  // The built files instead of those inside the binary, to work on the page without building it.
+  // The built files of a folder (`dist` where it says 1) instead of those inside the binary, to work
+  // on the page without building it, or to measure two of them beside each other.
   if (process.env.FRESH) await fresh(page, server);
   return { page, wrong };
 }
@@ -137,9 +138,10 @@ export async function assertWell(page, name) {
 }
 
 async function fresh(page, server) {
+  const folder = process.env.FRESH === "1" ? join(repository, "server/dashboard/dist") : process.env.FRESH;
   for (const [path, file] of [["/", "index.html"], ["/dashboard.js", "dashboard.js"], ["/dashboard.css", "dashboard.css"]]) {
     await page.route(server.url + path, async (route) => {
-      const body = readFileSync(join(repository, "server/dashboard/dist", file), "utf8");
+      const body = readFileSync(join(folder, file), "utf8");
       await route.fulfill({ response: await route.fetch(), body });
     });
   }

@@ -12,15 +12,32 @@ const LONGEST_REST_MS = 10_000;
 
 export interface Stream {
   stop(): void;
+  /** Begins anew at once: what is asked for has changed. */
+  again(): void;
 }
 
-/** Reads `path` again and again, a part at a time, until `part` says that it is over. */
-export function stream(
-  path: string,
-  headers: () => Record<string, string>,
-  begin: () => (part: Uint8Array<ArrayBuffer>) => void,
-  isOver: () => boolean,
-): Stream {
+export interface Reading {
+  /** What is asked for, each time. */
+  path(): string;
+  headers?(): Record<string, string>;
+  /** It has begun; gives what takes its parts. */
+  begin(): (part: Uint8Array<ArrayBuffer>) => void;
+  /** It has broken off or ended. */
+  lost?(): void;
+  /** Whether its end is for good. */
+  isOver(): boolean;
+  /** Told of what goes wrong; whether it is to be given up. */
+  failed?(error: unknown): boolean;
+}
+
+/** Told on the page; what is not there, or not any more, is given up. */
+function toldFailure(error: unknown): boolean {
+  trouble(error);
+  return error instanceof Problem && [404, 409].includes(error.status);
+}
+
+/** Reads something again and again, a part at a time, until that is over. */
+export function stream({ path, headers, begin, lost, isOver, failed = toldFailure }: Reading): Stream {
   let stopped = false;
   let reading: AbortController | null = null;
   let wake: () => void = () => undefined;
@@ -38,7 +55,10 @@ export function stream(
     else wake();
   };
   document.addEventListener("visibilitychange", onVisibility);
+  let isAgain = false;
   const run = async (): Promise<void> => {
+    // Whoever makes it may still say what is asked for.
+    await Promise.resolve();
     let rest_ms = FIRST_REST_MS;
     while (!stopped) {
       if (document.hidden) {
@@ -53,7 +73,8 @@ export function stream(
         silence = window.setTimeout(() => controller.abort(), SILENCE_MS);
       };
       try {
-        const response = await ask(path, { signal: controller.signal, headers: headers() });
+        isAgain = false;
+        const response = await ask(path(), { signal: controller.signal, headers: headers?.() ?? {} });
         const reader = response.body!.getReader();
         const part = begin();
         alive();
@@ -67,21 +88,23 @@ export function stream(
         }
         if (isOver()) break;
       } catch (error) {
-        if (stopped || document.hidden) continue;
-        if (error instanceof Problem && [404, 409].includes(error.status)) {
-          trouble(error);
-          break;
-        }
-        trouble(error);
+        if (stopped || document.hidden || isAgain) continue;
+        if (failed(error)) break;
         rest_ms = Math.min(rest_ms * 2, LONGEST_REST_MS);
       } finally {
         clearTimeout(silence);
+        lost?.();
       }
       if (!stopped) await rest(rest_ms);
     }
   };
   void run();
   return {
+    again: () => {
+      isAgain = true;
+      reading?.abort();
+      wake();
+    },
     stop: () => {
       stopped = true;
       document.removeEventListener("visibilitychange", onVisibility);
@@ -92,12 +115,14 @@ export function stream(
 }
 
 /** Server-sent events; comes back with the id of the last one. */
-export function events(path: string, hear: (name: string, data: unknown) => void): Stream {
+export function events(reading: Omit<Reading, "headers" | "begin" | "isOver"> & { begun(): void }, hear: (name: string, data: unknown) => void): Stream {
   let last = "";
-  return stream(
-    path,
-    () => (last ? { "last-event-id": last } : {}) as Record<string, string>,
-    () => {
+  return stream({
+    ...reading,
+    headers: () => (last ? { "last-event-id": last } : {}) as Record<string, string>,
+    isOver: () => false,
+    begin: () => {
+      reading.begun();
       const decoder = new TextDecoder();
       let text = "";
       return (part) => {
@@ -111,8 +136,7 @@ export function events(path: string, hear: (name: string, data: unknown) => void
         }
       };
     },
-    () => false,
-  );
+  });
 }
 
 /** One event of a stream. */

@@ -242,5 +242,17 @@ fn decided(stay: &StayedFor) -> String {
 }
 
 fn percent(share: f64) -> String {
-    format!("{:.0} %", 100.0 * share)
+    // The sum of no shares is -0.
+    format!("{:.0} %", 100.0 * share + 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_share_of_nothing_has_no_sign() {
+        assert_eq!(percent(std::iter::empty::<f64>().sum()), "0 %");
+        assert_eq!(percent(0.254), "25 %");
+    }
 }

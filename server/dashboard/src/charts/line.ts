@@ -33,6 +33,8 @@ export interface LineChart {
 
 const HEIGHT = 340;
 const SMALL = 240;
+/** Lines up to which bands are told apart. */
+const FEW = 4;
 /** Direct labels stand at lines where colours and dashes do not tell all apart. */
 const LABEL_FROM = 9;
 
@@ -58,7 +60,17 @@ export function lineChart(name: string, title: string, zoomed: (x: [number, numb
     const bands: uPlot.Band[] = [];
     const none = { show: false };
     const ends: { at: number; text: string; colour: string }[] = [];
-    for (const { label, look, mean, low, high, runs } of lines.lines) {
+    // Bands come first and lines over all of them; many bands over each other are fainter.
+    const opacity = lines.lines.length > FEW ? "1a" : "33";
+    for (const { look, low, high } of lines.lines) {
+      if (!low || !high) continue;
+      const first = data.length;
+      data.push(drawn(high), drawn(low));
+      const edge: uPlot.Series = { label: "", stroke: "transparent", spanGaps: true, points: none };
+      series.push(edge, { ...edge });
+      bands.push({ series: [first, first + 1], fill: `${look.colour}${opacity}` });
+    }
+    for (const { label, look, mean, runs } of lines.lines) {
       for (const run of runs ?? []) {
         data.push(drawn(run));
         series.push({ label: "", stroke: `${look.colour}55`, width: 1, spanGaps: true, points: none });
@@ -66,13 +78,6 @@ export function lineChart(name: string, title: string, zoomed: (x: [number, numb
       ends.push({ at: data.length, text: label, colour: look.colour });
       data.push(drawn(mean));
       series.push({ label, stroke: look.colour, width: 2, dash: [...look.dash], spanGaps: true, points: none });
-      if (low && high) {
-        const first = data.length;
-        data.push(drawn(high), drawn(low));
-        const edge: uPlot.Series = { label: "", stroke: "transparent", spanGaps: true, points: none };
-        series.push(edge, { ...edge });
-        bands.push({ series: [first, first + 1], fill: `${look.colour}33` });
-      }
     }
     chart?.destroy();
     plot.replaceChildren();

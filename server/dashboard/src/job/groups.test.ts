@@ -1,20 +1,26 @@
 import { expect, it } from "vitest";
-import { grouping, measureOf, odd, varied } from "./groups";
+import { grouping, measureOf, standsOut, varied } from "./groups";
 import type { Run, Summary } from "../types";
 
 const run = (id: string, p1: number, label = "a"): Run =>
-  ({ id, label, state: "done", result: { p1, fractions: { p1: p1 / 100 }, metrics: { t90_steps: 7, overlap: null }, memory: { most_bytes: 9 }, steps: 10, collisions: 5 } }) as unknown as Run;
+  ({ id, label, state: "done", cpu_ns_per_robot_step: 80, result: { p1, fractions: { p1: p1 / 100 }, metrics: { t90_steps: 7, overlap: null }, memory: { most_bytes: 9 }, steps: 10, collisions: 5 } }) as unknown as Run;
 
 it("finds measures where a result has them", () => {
   const one = run("x", 50);
-  expect(["p1", "p1_fraction", "t90_steps", "overlap", "memory_bytes", "collisions_per_robot_step", "nothing"].map((name) => measureOf(one, name)))
-    .toEqual([50, 0.5, 7, null, 9, 0.5, null]);
+  expect(["p1", "p1_fraction", "t90_steps", "overlap", "memory_bytes", "collisions_per_robot_step", "cpu_ns_per_robot_step", "nothing"].map((name) => measureOf(one, name)))
+    .toEqual([50, 0.5, 7, null, 9, 0.5, 80, null]);
 });
 
-it("marks runs that failed or lie far from their group's median", () => {
-  const runs = [48, 50, 51, 49, 52, 50, 5].map((p1, n) => run(String(n), p1));
-  const failed = { ...run("f", 0), state: "failed", result: null, error: "no room" } as unknown as Run;
-  expect([...odd([...runs, failed], (one) => one.label, "p1")]).toEqual([["f", "no room"], ["6", "far below its group's median"]]);
+it("puts the runs of the summary first, in its order, then those that failed and were cancelled", () => {
+  const runs = [run("a", 50), run("b", 5), run("c", 9),
+    { ...run("x", 0), state: "cancelled", result: null }, { ...run("f", 0), state: "failed", result: null, error: "no room" }] as unknown as Run[];
+  const summary = { odd_runs: [
+    { run_id: "c", p1: 9, median_p1: 49.5, explanation: null }, { run_id: "b", p1: 5, median_p1: 50, explanation: "It stood in a corner." },
+  ] } as unknown as Summary;
+  expect([...standsOut(runs, summary)].map(([id, { said, rank, why }]) => [id, said, rank, why])).toEqual([
+    ["c", "p1 9, the median of its group is 50", 0, true], ["b", "It stood in a corner.", 1, true], ["f", "no room", 2, false], ["x", "cancelled", 3, false],
+  ]);
+  expect([...standsOut(runs, null).keys()]).toEqual(["f", "x"]);
 });
 
 it("groups runs by a field that is varied", () => {

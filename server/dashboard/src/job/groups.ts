@@ -1,6 +1,7 @@
 // Which group a run belongs to, and what stands out in it.
 
 import type { Run, Summary } from "../types";
+import { whole } from "../words";
 
 /** A value as a label. */
 export const plain = (value: unknown): string => (typeof value === "string" ? value : JSON.stringify(value));
@@ -28,41 +29,33 @@ export function measureOf(run: Run, name: string): number | null {
     const value = (result as unknown as Record<string, unknown>)[name];
     if (typeof value === "number") return value;
   }
+  if (name === "cpu_ns_per_robot_step") return run.cpu_ns_per_robot_step ?? null;
   if (name === "memory_bytes") return result.memory.most_bytes;
   if (name === "collisions_per_robot_step") return result.steps > 0 ? result.collisions / result.steps : null;
   const value = (result.metrics as Record<string, unknown> | null | undefined)?.[name];
   return typeof value === "number" ? value : null;
 }
 
-const median = (sorted: number[]): number => {
-  const middle = Math.floor(sorted.length / 2);
-  return sorted.length % 2 ? sorted[middle]! : (sorted[middle - 1]! + sorted[middle]!) / 2;
-};
+/** What is said of a run that needs a look. */
+export interface Odd {
+  said: string;
+  /** Its place among those that do, from 0. */
+  rank: number;
+  /** Whether the run can be asked why. */
+  why: boolean;
+}
 
-/** What is odd about runs, by id: those that failed, and those far from the median of their group. */
-export function odd(runs: Run[], group: (run: Run) => string, measure: string): Map<string, string> {
-  const found = new Map<string, string>();
-  const groups = new Map<string, Run[]>();
-  for (const run of runs) {
-    if (run.state === "failed") found.set(run.id, run.error ?? "failed");
-    else if (run.state === "cancelled") found.set(run.id, "cancelled");
-    const name = group(run);
-    groups.set(name, [...(groups.get(name) ?? []), run]);
+/** Runs that need a look, by id: those of the summary in its order, then those that failed or were cancelled. */
+export function standsOut(runs: Run[], summary: Summary | null): Map<string, Odd> {
+  const found = new Map<string, Odd>();
+  const add = (id: string, said: string, why: boolean): void => {
+    if (!found.has(id)) found.set(id, { said, rank: found.size, why });
+  };
+  for (const odd of summary?.odd_runs ?? []) {
+    add(odd.run_id, odd.explanation ?? `p1 ${whole(odd.p1)}, the median of its group is ${whole(odd.median_p1)}`, true);
   }
-  for (const members of groups.values()) {
-    const valued = members.flatMap((run) => {
-      const value = measureOf(run, measure);
-      return value === null ? [] : [{ run, value }];
-    });
-    if (valued.length < 5) continue;
-    const middle = median(valued.map((one) => one.value).sort((a, b) => a - b));
-    const spread = median(valued.map((one) => Math.abs(one.value - middle)).sort((a, b) => a - b));
-    if (spread === 0) continue;
-    for (const { run, value } of valued) {
-      // Iglewicz and Hoaglin (1993): a modified z-score beyond 3.5.
-      const score = (0.6745 * (value - middle)) / spread;
-      if (Math.abs(score) > 3.5) found.set(run.id, `${score > 0 ? "far above" : "far below"} its group's median`);
-    }
+  for (const state of ["failed", "cancelled"]) {
+    for (const run of runs) if (run.state === state) add(run.id, run.error ?? state, false);
   }
   return found;
 }

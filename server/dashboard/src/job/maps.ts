@@ -1,7 +1,7 @@
 // Where the runs of each group went: the share of them that entered each square, or mean entries.
 
 import { h, keyed, show, write } from "../dom";
-import { HEAT, heat } from "../looks";
+import { heatPixels, onTheme, ramp } from "../looks";
 import { choose } from "../route";
 import { read } from "../server";
 import { savers } from "../charts/save";
@@ -16,19 +16,14 @@ export function coverageMaps(job: string, isOpen: boolean) {
   const kind = h("select", { id: "map-kind" }, ...Object.entries(KINDS).map(([value, text]) => h("option", { value }, text)));
   const low = h("span", {});
   const high = h("span", {});
-  const ramp = h("canvas", { class: "ramp", width: 64, height: 1, "aria-hidden": true });
-  const pen = ramp.getContext("2d");
-  for (let x = 0; pen && x < 64; x++) {
-    pen.fillStyle = `rgb(${heat(x / 63).join(",")})`;
-    pen.fillRect(x, 0, 1, 1);
-  }
+  const colours = ramp();
   const maps = h("div", { class: "maps" });
   const more = h("button", { type: "button", hidden: true }, "More groups");
   const element = h(
     "details",
     { open: isOpen },
     h("summary", {}, "Coverage maps by group"),
-    h("p", { class: "tools" }, h("label", { for: "map-kind" }, "Show"), kind, h("span", { class: "legend-row quiet" }, low, ramp, high)),
+    h("p", { class: "tools" }, h("label", { for: "map-kind" }, "Show"), kind, h("span", { class: "legend-row quiet" }, low, colours, high)),
     maps, more,
   );
   let found: GroupCoverage[] = [];
@@ -60,10 +55,11 @@ export function coverageMaps(job: string, isOpen: boolean) {
         if (!brush || columns === 0) return;
         const image = brush.createImageData(columns, rows);
         const pixels = new Uint32Array(image.data.buffer);
+        const heat = heatPixels();
         values(map).forEach((row, y) => row.forEach((value, x) => {
           if (value <= 0) return;
           const share = kind.value === "runs" ? value : Math.log1p(value) / Math.log1p(most || 1);
-          pixels[(rows - 1 - y) * columns + x] = HEAT[Math.round(share * 255)]!;
+          pixels[(rows - 1 - y) * columns + x] = heat[Math.round(share * 255)]!;
         }));
         brush.putImageData(image, 0, 0);
         csvs.set(canvas, values(map).map((row) => row.join(",")).join("\n"));
@@ -87,6 +83,7 @@ export function coverageMaps(job: string, isOpen: boolean) {
     draw();
   };
   kind.addEventListener("change", draw);
+  const stop = onTheme(draw);
   more.addEventListener("click", () => {
     limit += AT_ONCE;
     read_key = "";
@@ -98,6 +95,7 @@ export function coverageMaps(job: string, isOpen: boolean) {
   });
   return {
     element,
+    stop,
     draw: async (by: string | null, groups: number, key: string): Promise<void> => {
       wanted = { by, groups, key: `${by} ${groups} ${key}` };
       await fetchAll();

@@ -52,7 +52,7 @@ export function parallelPlot() {
       const values = axis < fields.length ? axes[axis]! : [];
       const every = Math.ceil(values.length / NAMED);
       values.forEach((value, place) => {
-        if (place % every === 0) drawing.append(svg("text", { x: x(axis) + 6, y: y(along(axis, value)) + 4 }, value.slice(0, 16)));
+        if (place % every === 0) drawing.append(svg("text", { x: x(axis) + 6, y: y(along(axis, value)) + 4, class: "halo" }, value.slice(0, 16)));
       });
     });
     for (const at of [0, 1]) drawing.append(svg("text", { x: x(fields.length) + 6, y: y(at) + 4 }, figure(at ? most : least)));

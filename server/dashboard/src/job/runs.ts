@@ -1,10 +1,10 @@
-// The runs of a job as a table that sorts and filters; what is odd comes first.
+// The runs of a job as a table that sorts and filters; what stands out comes first.
 
 import { h, keyed, show, write } from "../dom";
 import { choose, link } from "../route";
 import type { Run } from "../types";
 import { duration, percent, sentence, whole } from "../words";
-import { measureOf } from "./groups";
+import { measureOf, type Odd } from "./groups";
 
 /** Runs of a page of the table. */
 const SIZES = [10, 50, 200];
@@ -23,7 +23,7 @@ const COLUMNS: [string, string, (run: Run) => number | string | null][] = [
 
 export interface RunsTable {
   element: HTMLElement;
-  draw(runs: Run[], odd: Map<string, string>): void;
+  draw(runs: Run[], odd: Map<string, Odd>): void;
 }
 
 export function runsTable(options: URLSearchParams): RunsTable {
@@ -31,7 +31,7 @@ export function runsTable(options: URLSearchParams): RunsTable {
   let page = Math.max(0, (Number(options.get("page")) || 1) - 1);
   const size = h("select", { id: "runs-size" }, ...SIZES.map((one) => h("option", { value: one }, `${one}`)));
   size.value = SIZES.includes(Number(options.get("size"))) ? options.get("size")! : String(SIZE);
-  let last: [Run[], Map<string, string>] | null = null;
+  let last: [Run[], Map<string, Odd>] | null = null;
   const filter = h("input", {
     type: "search", id: "runs-filter", placeholder: "Filter: words, states, seeds", "aria-label": "Filter runs",
     value: options.get("filter") ?? "",
@@ -61,11 +61,11 @@ export function runsTable(options: URLSearchParams): RunsTable {
     last = [runs, odd];
     const words = filter.value.trim().toLowerCase().split(/\s+/).filter(Boolean);
     const fits = words.length === 0 ? runs : runs.filter((run) => {
-      const text = `${run.id} ${run.state} ${run.seed} ${run.label} ${run.method} ${run.arena} ${odd.get(run.id) ?? ""}`.toLowerCase();
+      const text = `${run.id} ${run.state} ${run.seed} ${run.label} ${run.method} ${run.arena} ${odd.get(run.id)?.said ?? ""}`.toLowerCase();
       return words.every((word) => text.includes(word));
     });
     const value = COLUMNS.find(([, name]) => name === sort)?.[2] ?? (() => null);
-    const key = (run: Run): number | string | null => (sort === "odd" ? (odd.has(run.id) ? 0 : 1) : value(run));
+    const key = (run: Run): number | string | null => (sort === "odd" ? (odd.get(run.id)?.rank ?? odd.size) : value(run));
     const ordered = [...fits].sort((a, b) => {
       const [x, y] = [key(a), key(b)];
       // What has no value comes last either way.
@@ -77,7 +77,7 @@ export function runsTable(options: URLSearchParams): RunsTable {
     // Before the first answer there are no runs, and the page that a link names is still to come.
     if (runs.length > 0) page = Math.min(page, Math.max(0, Math.ceil(ordered.length / a_page) - 1));
     const shown = ordered.slice(page * a_page, (page + 1) * a_page);
-    keyed(body, shown, (run) => `${run.index}`, row, (item, run) => fill(item, run, odd.get(run.id) ?? ""));
+    keyed(body, shown, (run) => `${run.index}`, row, (item, run) => fill(item, run, odd.get(run.id)));
     heads.forEach((head, place) => {
       if (COLUMNS[place]![1] === sort) head.setAttribute("aria-sort", falling ? "descending" : "ascending");
       else head.removeAttribute("aria-sort");
@@ -113,11 +113,12 @@ function row(run: Run): HTMLTableRowElement {
     {},
     h("th", { scope: "row" }, h("a", { href: link("run", run.id) }, run.id.slice(0, 8))),
     h("td", {}, h("span", { class: "badge" })),
-    ...COLUMNS.slice(2).map(() => h("td", {})),
+    ...COLUMNS.slice(3).map(() => h("td", {})),
+    h("td", {}, h("span", {}), " ", h("a", { hidden: true, href: link("run", run.id, { explain: "1" }), title: "Steps the run again, once, and says why it did what it did" }, "Why?")),
   );
 }
 
-function fill(item: HTMLTableRowElement, run: Run, odd: string): void {
+function fill(item: HTMLTableRowElement, run: Run, odd: Odd | undefined): void {
   const badge = item.cells[1]!.firstElementChild as HTMLElement;
   write(badge, run.state);
   badge.dataset["state"] = run.state;
@@ -131,11 +132,14 @@ function fill(item: HTMLTableRowElement, run: Run, odd: string): void {
     number("p1"), number("p10"),
     run.result ? percent(run.result.fractions.p1) : "",
     run.result ? number("t90_steps") || "never" : "",
-    odd ||
+    odd?.said ??
       (run.state === "running" && run.progress
         ? sentence(percent(run.progress.fraction), run.progress.eta_s != null && `${duration(run.progress.eta_s)} left`)
         : ""),
   ];
-  cells.forEach((text, place) => write(item.cells[place + 2]!, text));
-  item.classList.toggle("odd", odd !== "");
+  const last = item.cells[COLUMNS.length - 1]!;
+  const [said, why] = last.children as unknown as [HTMLElement, HTMLElement];
+  cells.forEach((text, place) => write(place === cells.length - 1 ? said : item.cells[place + 2]!, text));
+  show(why, odd?.why ?? false);
+  item.classList.toggle("odd", odd !== undefined);
 }

@@ -1,18 +1,19 @@
 // A job: which group is better and how sure that is, then curves, differences, strips, maps, runs.
 // All that is pooled is pooled by the server over every run of the job, never over a page of them.
 
-import { calm, trouble, type Screen } from "../alert";
+import { trouble, type Screen } from "../alert";
 import { h, measure as fill, show, write } from "../dom";
 import { choose, link } from "../route";
-import { post, read, remove, watch } from "../server";
-import { events } from "../stream";
+import { post, Problem, read, remove, watch } from "../server";
+import { hear, isHeard } from "../feed";
+import { onTheme } from "../looks";
 import type { Comparison, Curves, Job, Run, Summary } from "../types";
 import { title } from "../jobs/list";
 import { pace, percent, sentence, whole } from "../words";
 import { AllRuns, MOST } from "./all_runs";
 import { curvesChart } from "./curves";
 import { forestPlot } from "./forest";
-import { grouping, odd, varied } from "./groups";
+import { grouping, standsOut, varied } from "./groups";
 import { coverageMaps } from "./maps";
 import { parallelPlot } from "./parallel";
 import { runsTable } from "./runs";
@@ -27,8 +28,8 @@ const MANY_RUNS = 300;
 const EVERY_OF_MANY_MS = 10_000;
 /** Groups that the server compares. */
 const MOST_COMPARED = 32;
-/** Ten methods on each of three arenas. */
-const CHAPTER_5_GROUPS = 30;
+/** Methods that the report on chapter 5 compares. */
+const CHAPTER_5_METHODS = 10;
 const ENDED = ["done", "failed", "cancelled"];
 const ABOUT: Record<string, string> = {
   p1: "squares entered once", p2: "… twice", p5: "… five times", p10: "… ten times",
@@ -131,6 +132,7 @@ export function jobScreen(id: string, options: URLSearchParams): Screen {
   let job: Job | null = null;
   let pooled = "";
   let changed = true;
+  let isSure = false;
   const all = new AllRuns();
   let summary: Summary | null = null;
 
@@ -161,13 +163,17 @@ export function jobScreen(id: string, options: URLSearchParams): Screen {
   }
   const showRuns = (): void => {
     const runs: Run[] = all.runs;
-    const group = summary ? grouping(summary, by) : (run: Run) => run.label;
-    table.draw(runs, odd(runs, group, "p1"));
+    table.draw(runs, standsOut(runs, summary));
     show(cut, (job?.runs.total ?? 0) > MOST);
   };
   let key = "";
   const look = async (signal: AbortSignal): Promise<void> => {
-    if (!job) showJob(await read<Job>(`/v1/jobs/${id}`, signal));
+    // While nothing is heard of it, it is asked for.
+    if (!job || !isSure) {
+      const now = await read<Job>(`/v1/jobs/${id}`, signal);
+      if (JSON.stringify(now) !== JSON.stringify(job)) showJob(now);
+      isSure = isHeard();
+    }
     const { done, total } = job!.runs;
     const ended = ENDED.includes(job!.state);
     // What is pooled changes with the runs that are done, and with what was chosen.
@@ -195,8 +201,9 @@ export function jobScreen(id: string, options: URLSearchParams): Screen {
       read<Curves>(`/v1/jobs/${id}/curves?${query({ measure: curved, points: "200", ...(single.checked && { runs: "true" }) })}`, signal),
     ]);
     const labels = lines.groups.map((group) => group.label);
-    // Only the experiments of chapter 5 have as many groups and a report.
-    show(report, summary.groups.length >= CHAPTER_5_GROUPS && ended);
+    // Only the experiments of chapter 5 have as many methods and a report.
+    const methods = new Set(summary.groups.map((group) => group.values["controller.method"]));
+    show(report, methods.size >= CHAPTER_5_METHODS && ended);
     write(verdict, comparison?.verdict ? `${by ? `By ${by}: ` : ""}${comparison.verdict}` : comparison ? "" : `${whole(summary.groups.length)} groups are more than can be compared in pairs: choose a field under "Groups".`);
     show(copy, (comparison?.verdict ?? "") !== "");
     curves.draw(lines, { log: log.value === "log", single: single.checked });
@@ -216,12 +223,17 @@ export function jobScreen(id: string, options: URLSearchParams): Screen {
     groups.value = by ?? "";
   };
   const watching = watch(EVERY_MS, look, trouble, () => ((job?.runs.total ?? 0) > MANY_RUNS && job?.state === "running" ? EVERY_OF_MANY_MS : EVERY_MS));
-  const hearing = events(`/v1/jobs/${id}/events`, (name, data) => {
-    calm();
-    if (name === "job") {
-      showJob(data as Job);
-      if (ENDED.includes((data as Job).state)) watching.now();
-    } else if (name === "state") changed = true;
+  const hearing = hear((event) => {
+    if (event.name === "job" && event.data.id === id) {
+      showJob(event.data);
+      if (ENDED.includes(event.data.state)) watching.now();
+    } else if (event.name === "gone" && event.data.job_id === id) {
+      watching.stop();
+      trouble(new Problem(404, "job-not-found", "This job was deleted.", []));
+    } else if (event.name === "begin" || event.name === "lost") {
+      isSure = false;
+      watching.now();
+    }
   });
   const again = (): void => {
     changed = true;
@@ -244,6 +256,10 @@ export function jobScreen(id: string, options: URLSearchParams): Screen {
     pooled = "";
     again();
   });
+  const themed = onTheme(() => {
+    pooled = "";
+    again();
+  });
   single.addEventListener("change", () => {
     choose("runs", single.checked ? "1" : null);
     again();
@@ -252,7 +268,9 @@ export function jobScreen(id: string, options: URLSearchParams): Screen {
     element,
     title: `Job ${id}`,
     stop: () => {
-      for (const stopping of [watching, hearing, curves]) stopping.stop();
+      for (const stopping of [watching, curves, maps]) stopping.stop();
+      hearing();
+      themed();
     },
   };
 }

@@ -9,7 +9,8 @@ import { figure, whole } from "../words";
 import { measureOf } from "./groups";
 
 /** Shown at once; the rest when asked for. */
-const FIRST = ["p1", "p10", "t90_steps", "memory_bytes"];
+const FIRST = ["p1", "p10", "t90_steps", "memory_bytes", "cpu_ns_per_robot_step"];
+const NAMES: Record<string, string> = { cpu_ns_per_robot_step: "CPU time of a robot-step, ns", memory_bytes: "memory of a learner, bytes" };
 const REST = ["p2", "p5", "t50_steps", "t99_steps", "mean_coverage", "overlap", "collisions_per_robot_step"];
 const ROW = 22;
 const WIDTH = 360;
@@ -20,7 +21,7 @@ const MANY = 24;
 
 export interface StripPlots {
   element: HTMLElement;
-  /** Of the summary what no single run tells: what a step takes. */
+  /** The summary has intervals of means, of groups that are its own. */
   draw(runs: Run[], labels: string[], group: (run: Run) => string, summary: Summary): void;
 }
 
@@ -29,9 +30,8 @@ export function stripPlots(): StripPlots {
   const rest = h("div", { class: "strips" });
   const more = h("details", {}, h("summary", {}, "More measures"), rest);
   const cut = h("p", { class: "quiet" });
-  const cost = h("div", {});
-  const element = h("section", {}, h("h3", {}, "All finished runs"), plots, more, cut, cost);
-  let last: [Run[], string[], (run: Run) => string] | null = null;
+  const element = h("section", {}, h("h3", {}, "All finished runs"), plots, more, cut);
+  let last: [Run[], string[], (run: Run) => string, Summary] | null = null;
   const fill = (): void => {
     if (last && more.open) rest.replaceChildren(...REST.map((measure) => strip(measure, ...last!)));
   };
@@ -41,40 +41,15 @@ export function stripPlots(): StripPlots {
     draw: (runs, labels, group, summary) => {
       const done = runs.filter((run) => run.result != null);
       const shown = done.slice(0, MOST);
-      last = [shown, labels, group];
-      write(cut, shown.length < done.length ? `The first ${whole(MOST)} finished runs are shown.` : `n = ${whole(done.length)} runs.`);
-      plots.replaceChildren(...FIRST.map((measure) => strip(measure, shown, labels, group)));
+      last = [shown, labels, group, summary];
+      write(cut, shown.length < done.length ? `The first ${whole(MOST)} finished runs are shown.` : `A dot for each run, n = ${whole(done.length)}; upright the mean, across its 95 % interval.`);
+      plots.replaceChildren(...FIRST.map((measure) => strip(measure, shown, labels, group, summary)));
       fill();
-      cost.replaceChildren(intervals("cpu_ns_per_robot_step", summary));
     },
   };
 }
 
-/** Means of the combinations with their intervals, of a measure that single runs do not tell. */
-function intervals(measure: string, summary: Summary): HTMLElement {
-  const rows = summary.groups.flatMap((group, place) => {
-    const found = group.measures.find((one) => one.name === measure);
-    return found?.mean == null ? [] : [{ place, label: group.label || "all runs", mean: found.mean, low: found.interval?.low ?? found.mean, high: found.interval?.high ?? found.mean, n: found.n }];
-  });
-  if (rows.length === 0) return h("div", {});
-  const most = Math.max(...rows.map((row) => row.high), 1e-12);
-  const x = (value: number): number => 12 + (value / most) * (WIDTH - 24);
-  const row_px = rows.length > MANY ? 12 : ROW;
-  const height = rows.length * row_px + 44;
-  const drawing = svg("svg", { viewBox: `0 0 ${WIDTH} ${height}`, width: WIDTH, class: "as-is", role: "img", "aria-label": `${measure}: mean of each combination with its interval` });
-  drawing.append(svg("text", { x: 0, y: 12, class: "name" }, "CPU time of a robot-step, ns (means, 95 % intervals)"));
-  rows.forEach(({ place, label, mean, low, high, n }, line) => {
-    const y = 24 + line * row_px + row_px / 2;
-    drawing.append(
-      svg("line", { x1: x(low), x2: x(high), y1: y, y2: y, stroke: look(place).colour, "stroke-width": 2.5 }),
-      svg("circle", { cx: x(mean), cy: y, r: 4, fill: look(place).colour }, svg("title", {}, `${label}: ${figure(mean)} ns [${figure(low)}, ${figure(high)}], n ${n}`)));
-  });
-  for (const value of [0, most]) drawing.append(svg("text", { x: x(value), y: height - 4, "text-anchor": value ? "end" : "start", class: "tick" }, figure(value)));
-  const csv = (): string => ["group,n,mean,low,high", ...rows.map((row) => [JSON.stringify(row.label), row.n, row.mean, row.low, row.high].join(","))].join("\n");
-  return h("figure", { class: "cost" }, drawing, savers(measure, { svg: () => drawing, csv }));
-}
-
-function strip(measure: string, runs: Run[], labels: string[], group: (run: Run) => string): HTMLElement {
+function strip(measure: string, runs: Run[], labels: string[], group: (run: Run) => string, summary: Summary): HTMLElement {
   const places = new Map(labels.map((label, place) => [label, place]));
   const values = runs.flatMap((run) => {
     const value = measureOf(run, measure);
@@ -84,12 +59,15 @@ function strip(measure: string, runs: Run[], labels: string[], group: (run: Run)
   if (values.length === 0) {
     return h("figure", {}, h("p", { class: "facts" }, `${measure}: no run has it${measure.endsWith("_steps") ? ", as none got there" : ""}.`));
   }
-  const most = Math.max(...values.map((one) => one.value), 1e-12);
+  const intervals = labels.map((label) =>
+    summary.groups.find((one) => one.label === label)?.measures.find((one) => one.name === measure)?.interval ?? null);
+  const name = NAMES[measure] ?? measure;
+  const most = Math.max(...values.map((one) => one.value), ...intervals.map((interval) => interval?.high ?? 0), 1e-12);
   const row = labels.length > MANY ? 12 : ROW;
   const height = labels.length * row + 44;
   const x = (value: number): number => 12 + (value / most) * (WIDTH - 24);
-  const drawing = svg("svg", { viewBox: `0 0 ${WIDTH} ${height}`, role: "img", "aria-label": `${measure} of every run by group, n = ${values.length}` });
-  drawing.append(svg("text", { x: 0, y: 12, class: "name" }, `${measure}  (n ${values.length})`));
+  const drawing = svg("svg", { viewBox: `0 0 ${WIDTH} ${height}`, role: "img", "aria-label": `${name} of every run by group, n = ${values.length}` });
+  drawing.append(svg("text", { x: 0, y: 12, class: "name" }, `${name}  (n ${values.length})`));
   labels.forEach((_, place) => {
     const y = 24 + place * row + row / 2;
     drawing.append(svg("line", { x1: 12, x2: WIDTH - 12, y1: y, y2: y, class: "rail" }));
@@ -108,8 +86,11 @@ function strip(measure: string, runs: Run[], labels: string[], group: (run: Run)
     if (own.length === 0) return;
     const mean = own.reduce((sum, value) => sum + value, 0) / own.length;
     const y = 24 + place * row + row / 2;
+    const interval = intervals[place];
+    if (interval) drawing.append(svg("line", { x1: x(Math.max(interval.low, 0)), x2: x(interval.high), y1: y, y2: y, class: "interval" }));
+    const told = interval ? ` [${figure(interval.low)}, ${figure(interval.high)}]` : "";
     drawing.append(svg("line", { x1: x(mean), x2: x(mean), y1: y - row / 2 + 2, y2: y + row / 2 - 2, class: "mean" },
-      svg("title", {}, `${label || "all runs"}: mean ${figure(mean)}, n ${own.length}`)));
+      svg("title", {}, `${label || "all runs"}: mean ${figure(mean)}${told}, n ${own.length}`)));
   });
   for (const value of [0, most]) {
     drawing.append(svg("text", { x: x(value), y: height - 4, "text-anchor": value ? "end" : "start", class: "tick" }, figure(value)));

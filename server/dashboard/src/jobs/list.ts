@@ -1,14 +1,24 @@
-// The list of jobs at the side: search, states, progress; newest first.
+// The list of jobs at the side: search, states, progress; newest first. It follows the page's events,
+// and asks again and again while there are none.
 
 import { h, keyed, measure, show, write } from "../dom";
+import { hear, isHeard } from "../feed";
 import { link } from "../route";
 import { read, watch } from "../server";
 import type { Job, Page } from "../types";
 import { calm, trouble } from "../alert";
 import { compact, duration, percent, sentence, whole } from "../words";
 
+/** Time between two looks while nothing is heard, and while something is. */
 const EVERY_MS = 4_000;
+const RARELY_MS = 600_000;
 const A_PAGE = 50;
+/** Jobs that are held; beyond that the oldest are forgotten. */
+const MOST_HELD = 5_000;
+
+let shown: Job[] | null = null;
+/** The jobs that the list has; null before the first answer. Whoever hears `jobs` of the window has them anew. */
+export const jobsNow = (): Job[] | null => shown;
 
 export const title = (job: { id: string; name: string }): string => job.name || `Job ${job.id}`;
 
@@ -40,19 +50,47 @@ export function jobList(tell: (rate: string) => void): JobList {
   );
   let chosen = "";
   let limit = A_PAGE;
-  let jobs: Job[] = [];
-  let fitting: Job[] = [];
+  let known = new Map<string, Job>();
+  /** Whether the server has more of them, older ones. */
+  let hasMore = false;
+  /** What is heard while the server is asked: it may be newer than the answer. */
+  let meanwhile: Map<string, Job | null> | null = null;
+  let isDue = false;
+  let isRead = false;
 
+  const newestFirst = (): Job[] => [...known.values()].sort((a, b) => Number(b.id) - Number(a.id));
   const draw = (): void => {
+    isDue = false;
+    if (!isRead) return;
     const wanted = search.value.trim().toLowerCase();
-    const known = new Map([...jobs, ...fitting].map((job) => [job.id, job]));
-    const fits = [...known.values()].filter(
+    const jobs = newestFirst();
+    for (const old of jobs.splice(MOST_HELD)) known.delete(old.id);
+    const fits = jobs.filter(
       (job) =>
         (!state.value || job.state === state.value) &&
         (!wanted || wanted.split(/\s+/).every((word) => `${title(job)} ${job.id}`.toLowerCase().includes(word))),
-    ).sort((a, b) => Number(b.id) - Number(a.id));
-    keyed(items, fits, (job) => job.id, card, update);
+    );
+    keyed(items, fits.slice(0, limit), (job) => job.id, card, update);
     show(none, jobs.length > 0 && fits.length === 0);
+    show(older, hasMore || fits.length > limit);
+    const running = jobs.filter((job) => job.state === "running");
+    const rate = running.reduce((sum, job) => sum + (job.robot_steps_per_s ?? 0), 0);
+    tell(
+      running.length === 0
+        ? "nothing runs"
+        : sentence(
+            `${running.length} ${running.length === 1 ? "job runs" : "jobs run"}`,
+            rate > 0 && `${compact(rate)} robot-steps/s`,
+          ),
+    );
+    shown = jobs;
+    dispatchEvent(new CustomEvent("jobs", { detail: jobs }));
+  };
+  /** Many events come at once, for which one picture is enough. */
+  const drawSoon = (): void => {
+    if (isDue) return;
+    isDue = true;
+    queueMicrotask(draw);
   };
   const card = (job: Job): HTMLLIElement =>
     h(
@@ -88,6 +126,11 @@ export function jobList(tell: (rate: string) => void): JobList {
     else item.firstElementChild!.removeAttribute("aria-current");
   };
 
+  const set = (id: string, job: Job | null): void => {
+    if (job) known.set(id, job);
+    else known.delete(id);
+    meanwhile?.set(id, job);
+  };
   /** So many jobs, newest first, and whether there are more. */
   const newest = async (signal: AbortSignal, wanted: Record<string, string> = {}): Promise<[Job[], boolean]> => {
     const found: Job[] = [];
@@ -107,27 +150,41 @@ export function jobList(tell: (rate: string) => void): JobList {
       const q = search.value.trim();
       const wanted = { ...(q && { q }), ...(state.value && { state: state.value }) };
       const isFiltered = Object.keys(wanted).length > 0;
-      const [[all, more], [some, someMore]] = await Promise.all([newest(signal), isFiltered ? newest(signal, wanted) : [[], false] as [Job[], boolean]]);
-      jobs = all;
-      // Older jobs than those that are shown are found by the server.
-      fitting = some;
-      show(older, isFiltered ? someMore : more);
+      meanwhile = new Map();
+      try {
+        const [[all, more], [some, someMore]] = await Promise.all([newest(signal), isFiltered ? newest(signal, wanted) : [[], false] as [Job[], boolean]]);
+        // Those that should be among all and are not are gone; older ones may still be there.
+        const oldest = more ? Number(all.at(-1)?.id ?? 0) : 0;
+        known = new Map([...known].filter(([id]) => Number(id) < oldest));
+        for (const job of [...all, ...some]) known.set(job.id, job);
+        hasMore = isFiltered ? someMore : more;
+        for (const [id, job] of meanwhile) set(id, job);
+      } finally {
+        meanwhile = null;
+      }
       calm();
-      const running = jobs.filter((job) => job.state === "running");
-      const rate = running.reduce((sum, job) => sum + (job.robot_steps_per_s ?? 0), 0);
-      tell(
-        running.length === 0
-          ? "nothing runs"
-          : sentence(
-              `${running.length} ${running.length === 1 ? "job runs" : "jobs run"}`,
-              rate > 0 && `${compact(rate)} robot-steps/s`,
-            ),
-      );
+      isRead = true;
       draw();
-      dispatchEvent(new CustomEvent("jobs", { detail: jobs }));
     },
     trouble,
+    () => (isHeard() ? RARELY_MS : EVERY_MS),
   );
+  let heardBefore = false;
+  hear((event) => {
+    if (event.name === "job") {
+      set(event.data.id, event.data);
+      drawSoon();
+    } else if (event.name === "gone") {
+      set(event.data.job_id, null);
+      drawSoon();
+    } else if (event.name === "lost") {
+      watching.now();
+    } else if (event.name === "begin") {
+      // What went while nothing was heard.
+      if (heardBefore) watching.now();
+      heardBefore = true;
+    }
+  });
   older.addEventListener("click", () => {
     limit += A_PAGE;
     watching.now();

@@ -5,12 +5,12 @@ import { link } from "../route";
 import { post, read } from "../server";
 import type { Job, Template } from "../types";
 import { trouble, type Screen } from "../alert";
-import { title } from "./list";
+import { jobsNow, title } from "./list";
 import { serverPanel } from "./health";
 import { troubled } from "./troubled";
 import { pace, percent, sentence, whole } from "../words";
 
-/** Jobs that are done which are shown. */
+/** Jobs that are done, and that failed, which are shown. */
 const LATELY = 10;
 
 export function overview(): Screen {
@@ -59,8 +59,7 @@ export function overview(): Screen {
       ),
     );
   };
-  const update = (event: Event): void => {
-    const jobs = (event as CustomEvent<Job[]>).detail;
+  const update = (jobs: Job[]): void => {
     show(welcome, jobs.length === 0);
     show(well, jobs.length > 0);
     const at = (state: string): Job[] => jobs.filter((job) => job.state === state);
@@ -77,19 +76,22 @@ export function overview(): Screen {
       ),
     );
     keyed(running, active, (job) => job.id, row, fill);
-    keyed(wrong, failed, (job) => job.id, row, fill);
+    keyed(wrong, failed.slice(0, LATELY), (job) => job.id, row, fill);
     const ended = at("done").slice(0, LATELY);
     keyed(done, ended, (job) => job.id, row, fill);
     show(doneTitle, ended.length > 0);
     show(runningTitle, active.length > 0);
     show(wrongTitle, failed.length > 0);
   };
-  addEventListener("jobs", update);
+  const changed = (event: Event): void => update((event as CustomEvent<Job[]>).detail);
+  addEventListener("jobs", changed);
+  const now = jobsNow();
+  if (now) update(now);
   return {
     element: h("div", { class: "screen" }, welcome, well, health.element),
     title: "Overview",
     stop: () => {
-      removeEventListener("jobs", update);
+      removeEventListener("jobs", changed);
       health.stop();
       odd.stop();
     },

@@ -3,12 +3,17 @@
 
 import { trouble } from "../alert";
 import { h, keyed, show, write } from "../dom";
+import { hear, isHeard } from "../feed";
 import { link } from "../route";
 import { read, watch } from "../server";
 import type { Page, Run } from "../types";
 import { sentence } from "../words";
 
+/** Time between two looks while nothing is heard, and while something is. */
 const EVERY_MS = 10_000;
+const RARELY_MS = 600_000;
+/** Least time between two looks at what is heard of. */
+const GATHERED_MS = 1_000;
 const SHOWN = 10;
 const SEEN = "seen-troubles";
 
@@ -31,6 +36,26 @@ export function troubled(): { element: HTMLElement; stop(): void } {
         write(why, run.error ?? "");
       });
     localStorage.setItem(SEEN, runs.map((run) => run.id).join(" "));
-  }, trouble);
-  return { element, stop: () => watching.stop() };
+  }, trouble, () => (isHeard() ? RARELY_MS : EVERY_MS));
+  let due = 0;
+  const listed = (run: string): boolean => [...list.children].some((item) => (item as HTMLElement).dataset["key"] === run);
+  const hearing = hear((event) => {
+    const isConcerned = event.name === "state"
+      ? ["failed", "paused"].includes(event.data.state) || listed(event.data.run_id)
+      : event.name === "gone" || event.name === "begin" || event.name === "lost";
+    if (isConcerned && due === 0) {
+      due = window.setTimeout(() => {
+        due = 0;
+        watching.now();
+      }, GATHERED_MS);
+    }
+  });
+  return {
+    element,
+    stop: () => {
+      hearing();
+      clearTimeout(due);
+      watching.stop();
+    },
+  };
 }

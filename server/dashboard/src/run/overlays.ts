@@ -1,8 +1,8 @@
 // What is drawn over the robots of a scene: sensor rays, who tells whom by radio, movable objects,
 // and the hatching of what no robot can reach.
 
-import { MOUNTS, RANGE_M } from "./body";
-import type { Frame } from "./frames";
+import { FLOATS, SENSORS, WORDS, type Frame } from "./messages";
+import { RAYS, SENSED, STRENGTHS, strengthOf } from "./pixels";
 
 /** Where a picture is drawn: pixels a metre, the lower edge, device pixels a pixel. */
 export interface Sheet {
@@ -19,40 +19,54 @@ export interface Colours {
 /** Robots up to which all who tell each other are joined; beyond that those of the chosen one. */
 const JOINED = 200;
 
+/** Rays of each strength, gathered so that each strength is one stroke; kept from picture to picture. */
+const gathered = STRENGTHS.map(() => ({ ends: new Float32Array(0), count: 0 }));
+
 /** Directions of sensors, the stronger the nearer something is. */
 export function drawRays(pen: CanvasRenderingContext2D, f: Frame, { k, top, density }: Sheet, colours: Colours): void {
+  const { floats, words, robots } = f;
+  for (const list of gathered) {
+    list.count = 0;
+    if (list.ends.length < robots * SENSED * 4) list.ends = new Float32Array(robots * SENSED * 4);
+  }
+  for (let n = 0; n < robots; n++) {
+    const at = n * FLOATS;
+    const [x, y] = [floats[at]! * k, top - floats[at + 1]! * k];
+    const heading = floats[at + 2]!;
+    const [cos, sin] = [Math.cos(heading) * k, Math.sin(heading) * k];
+    for (let s = 0; s < SENSED; s++) {
+      const value = words[n * WORDS + SENSORS + s]!;
+      const list = gathered[strengthOf(value)]!;
+      const { ends, count } = list;
+      const [x1, y1, x2, y2] = [RAYS[s * 4]!, RAYS[s * 4 + 1]!, RAYS[s * 4 + 2]!, RAYS[s * 4 + 3]!];
+      ends[count] = x + x1 * cos - y1 * sin;
+      ends[count + 1] = y - x1 * sin - y1 * cos;
+      ends[count + 2] = x + x2 * cos - y2 * sin;
+      ends[count + 3] = y - x2 * sin - y2 * cos;
+      list.count = count + 4;
+    }
+  }
   pen.lineWidth = 1.5 * density;
-  // Few strokes: rays of about the same strength are one path.
-  for (let level = 0; level < 4; level++) {
-    pen.globalAlpha = [0.18, 0.45, 0.7, 1][level]!;
+  gathered.forEach(({ ends, count }, level) => {
+    if (count === 0) return;
+    pen.globalAlpha = STRENGTHS[level]!;
     pen.strokeStyle = level === 0 ? colours.line : colours.warm;
     pen.beginPath();
-    for (let n = 0; n < f.robots; n++) {
-      const [x, y, heading] = [f.poses[n * 3]!, f.poses[n * 3 + 1]!, f.poses[n * 3 + 2]!];
-      const [cos, sin] = [Math.cos(heading), Math.sin(heading)];
-      for (let s = 0; s < 8; s++) {
-        const value = f.sensors[n * 8 + s]!;
-        const strength = value < 100 ? 0 : value < 500 ? 1 : value < 1500 ? 2 : 3;
-        if (strength !== level) continue;
-        const mount = MOUNTS[s]!;
-        const mx = x + mount.x_m * cos - mount.y_m * sin;
-        const my = y + mount.x_m * sin + mount.y_m * cos;
-        const angle = heading + mount.heading_rad;
-        pen.moveTo(mx * k, top - my * k);
-        pen.lineTo((mx + RANGE_M * Math.cos(angle)) * k, top - (my + RANGE_M * Math.sin(angle)) * k);
-      }
+    for (let n = 0; n < count; n += 4) {
+      pen.moveTo(ends[n]!, ends[n + 1]!);
+      pen.lineTo(ends[n + 2]!, ends[n + 3]!);
     }
     pen.stroke();
-  }
+  });
   pen.globalAlpha = 1;
 }
 
 /** Who hears a robot: every step each tells all who are in range. */
 export function hearers(f: Frame, robot: number, range_m: number): number[] {
-  const [x, y] = [f.poses[robot * 3]!, f.poses[robot * 3 + 1]!];
+  const [x, y] = [f.floats[robot * FLOATS]!, f.floats[robot * FLOATS + 1]!];
   const found: number[] = [];
   for (let n = 0; n < f.robots; n++) {
-    if (n !== robot && (f.poses[n * 3]! - x) ** 2 + (f.poses[n * 3 + 1]! - y) ** 2 <= range_m ** 2) found.push(n);
+    if (n !== robot && (f.floats[n * FLOATS]! - x) ** 2 + (f.floats[n * FLOATS + 1]! - y) ** 2 <= range_m ** 2) found.push(n);
   }
   return found;
 }
@@ -60,8 +74,8 @@ export function hearers(f: Frame, robot: number, range_m: number): number[] {
 /** The range of the chosen robot's radio, and lines between robots that tell each other. */
 export function drawRadio(pen: CanvasRenderingContext2D, f: Frame, robot: number, range_m: number, { k, top, density }: Sheet, colours: Colours): void {
   const line = (from: number, to: number): void => {
-    pen.moveTo(f.poses[from * 3]! * k, top - f.poses[from * 3 + 1]! * k);
-    pen.lineTo(f.poses[to * 3]! * k, top - f.poses[to * 3 + 1]! * k);
+    pen.moveTo(f.floats[from * FLOATS]! * k, top - f.floats[from * FLOATS + 1]! * k);
+    pen.lineTo(f.floats[to * FLOATS]! * k, top - f.floats[to * FLOATS + 1]! * k);
   };
   pen.lineWidth = density;
   if (f.robots <= JOINED) {
@@ -75,7 +89,7 @@ export function drawRadio(pen: CanvasRenderingContext2D, f: Frame, robot: number
   if (Number.isFinite(range_m)) {
     pen.setLineDash([4 * density, 4 * density]);
     pen.beginPath();
-    pen.arc(f.poses[robot * 3]! * k, top - f.poses[robot * 3 + 1]! * k, range_m * k, 0, 2 * Math.PI);
+    pen.arc(f.floats[robot * FLOATS]! * k, top - f.floats[robot * FLOATS + 1]! * k, range_m * k, 0, 2 * Math.PI);
     pen.stroke();
     pen.setLineDash([]);
   }

@@ -2,7 +2,7 @@
 
 import { read } from "../server";
 import type { RecordingSlice } from "../types";
-import type { Frame } from "./frames";
+import { Bodies, COMMANDS, FLOATS, SENSORS, WORDS, type Frame } from "./messages";
 
 /** Most moments and poses of a slice; the server has the same bounds. */
 const MOST_MOMENTS = 4_000;
@@ -18,6 +18,8 @@ export class Player {
   private slices = new Map<number, Promise<void>>();
   private ready = new Map<number, RecordingSlice>();
   private head: Head | null = null;
+  /** One moment is looked at at a time. */
+  private readonly bodies = new Bodies();
 
   constructor(readonly run: string, readonly name: string, private readonly trouble: (error: unknown) => void) {}
 
@@ -54,7 +56,7 @@ export class Player {
     void this.want(number);
     if (number < this.numberOf(this.last)) void this.want(number + 1);
     const slice = this.ready.get(number);
-    return slice ? frameOf(slice, step) : null;
+    return slice ? frameOf(slice, step, this.bodies) : null;
   }
 
   /** The same, read where it has not been; null where it cannot be. */
@@ -130,21 +132,22 @@ export function placeOf(steps: readonly number[], step: number): number {
   return low;
 }
 
-function frameOf(slice: RecordingSlice, step: number): Frame | null {
+function frameOf(slice: RecordingSlice, step: number, bodies: Bodies): Frame | null {
   if (slice.step.length === 0) return null;
   const at = placeOf(slice.step, step);
   const { robots, recording } = slice;
   const count = robots.length;
-  const poses = new Float32Array(count * 3);
-  const commands = new Float32Array(count * 2);
-  const sensors = new Uint16Array(count * 8);
+  bodies.clear(count);
+  const { floats, words } = bodies;
   robots.forEach((robot, n) => {
-    poses[n * 3] = robot.x_m[at] ?? 0;
-    poses[n * 3 + 1] = robot.y_m[at] ?? 0;
-    poses[n * 3 + 2] = robot.heading_rad[at] ?? 0;
-    commands[n * 2] = robot.left[at] ?? 0;
-    commands[n * 2 + 1] = robot.right[at] ?? 0;
-    sensors.set(robot.sensors[at] ?? [], n * 8);
+    const first = n * FLOATS;
+    floats[first] = robot.x_m[at] ?? 0;
+    floats[first + 1] = robot.y_m[at] ?? 0;
+    floats[first + 2] = robot.heading_rad[at] ?? 0;
+    floats[first + COMMANDS] = robot.left[at] ?? 0;
+    floats[first + COMMANDS + 1] = robot.right[at] ?? 0;
+    words.set(robot.sensors[at] ?? [], n * WORDS + SENSORS);
+    bodies.choose(n, robot.state[at], robot.action[at]);
   });
   const objects = new Float32Array(slice.objects.length * 3);
   slice.objects.forEach((object, n) => objects.set([object.x_m[at] ?? 0, object.y_m[at] ?? 0, object.heading_rad[at] ?? 0], n * 3));
@@ -160,10 +163,6 @@ function frameOf(slice: RecordingSlice, step: number): Frame | null {
     isTraining: epoch?.in_training ?? false,
     learns: false,
     robots: count,
-    poses, commands, sensors, objects,
-    choice: (robot) => {
-      const [state, action] = [robots[robot]?.state[at], robots[robot]?.action[at]];
-      return state == null || action == null ? null : [state, action];
-    },
+    floats, words, objects,
   };
 }

@@ -8,7 +8,7 @@ import { read } from "../server";
 import type { Page, RecordingSummary, Run, Stayed } from "../types";
 import { sentence, whole } from "../words";
 import { beside } from "./beside";
-import type { Frame } from "./frames";
+import type { Frame } from "./messages";
 import { marks } from "./marks";
 import { countedSteps, Player } from "./player";
 import { recorder } from "./recorder";

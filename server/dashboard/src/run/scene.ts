@@ -2,11 +2,12 @@
 // anew only when there is something new to see.
 
 import { h, show, write } from "../dom";
-import { HEAT, heat, look, themed } from "../looks";
+import { heatPixels, look, onTheme, ramp, themed } from "../looks";
 import type { Arena } from "../types";
 import { whole } from "../words";
-import type { Frame, Squares } from "./frames";
+import { FLOATS, type Frame, type Squares } from "./messages";
 import { drawObjects, drawRadio, drawRays, hatched, type Sheet } from "./overlays";
+import { Pixels, PIXELS_FROM } from "./pixels";
 
 export const LAYERS = {
   visits: "visits (log scale)",
@@ -36,7 +37,6 @@ export interface Scene {
 
 /** Least time between two pictures of what was covered by a moment of a recording. */
 const GROUND_EVERY_MS = 100;
-const LEGEND_STEPS = 64;
 const MOST_HIGH_PX = 640;
 /** Robots that have colours and trails of their own. */
 const COLOURED = 8;
@@ -48,19 +48,14 @@ const TRAIL_STEPS = 40;
 export function scene(onChoose: (robot: number) => void): Scene {
   const ground = h("canvas", { role: "img" });
   const swarm = h("canvas", { class: "swarm", "aria-hidden": true });
-  const ramp = h("canvas", { class: "ramp", width: LEGEND_STEPS, height: 1, "aria-hidden": true });
   const [low, high] = [h("span", {}), h("span", {})];
-  const legend = h("figcaption", { class: "quiet" }, low, ramp, high);
+  const legend = h("figcaption", { class: "quiet" }, low, ramp(), high);
   const holder = h("div", { class: "stage" }, ground, swarm);
   const element = h("figure", { class: "scene" }, holder, legend);
-  const pixels = ramp.getContext("2d");
-  for (let x = 0; pixels && x < LEGEND_STEPS; x++) {
-    pixels.fillStyle = `rgb(${heat(x / (LEGEND_STEPS - 1)).join(",")})`;
-    pixels.fillRect(x, 0, 1, 1);
-  }
   const raster = document.createElement("canvas");
   const shown = { robots: true, rays: false, trails: true, radio: false };
   const drawn = { pictures: 0, ms: 0 };
+  const pixels = new Pixels();
   let arena: Arena | null = null;
   let radius_m = 0.037;
   let range_m: number | null = null;
@@ -163,12 +158,13 @@ export function scene(onChoose: (robot: number) => void): Scene {
       const small = raster.getContext("2d")!;
       const image = small.createImageData(columns, rows);
       const bytes = new Uint32Array(image.data.buffer);
+      const heat = heatPixels();
       for (let y = 0; y < rows; y++) {
         for (let x = 0; x < columns; x++) {
           const value = map.value(y * columns + x);
           if (value < 0) continue;
           covered += 1;
-          bytes[(rows - 1 - y) * columns + x] = HEAT[Math.round(Math.min(value, 1) * 255)]!;
+          bytes[(rows - 1 - y) * columns + x] = heat[Math.round(Math.min(value, 1) * 255)]!;
         }
       }
       small.putImageData(image, 0, 0);
@@ -209,15 +205,17 @@ export function scene(onChoose: (robot: number) => void): Scene {
   const drawSwarm = (where: Arena): void => {
     const pen = swarm.getContext("2d");
     if (!pen) return;
-    pen.clearRect(0, 0, swarm.width, swarm.height);
-    if (!frame) return;
     const k = scale * density;
     const top = swarm.height;
-    const { poses, robots } = frame;
+    const r = Math.max(radius_m * k, 1.5 * density);
+    const isMany = frame !== null && frame.robots >= PIXELS_FROM;
+    if (frame && shown.robots && isMany) pixels.draw(pen, frame, k, r, density, shown.rays, colours);
+    else pen.clearRect(0, 0, swarm.width, swarm.height);
+    if (!frame) return;
+    const { floats, robots } = frame;
     const sheet: Sheet = { k, top, density };
     if (frame.objects.length) drawObjects(pen, frame, where.objects ?? [], sheet, colours.ink);
     if (!shown.robots) return;
-    const r = Math.max(radius_m * k, 1.5 * density);
     if (shown.trails) {
       pen.lineWidth = 1.2 * density;
       trails.forEach((trail, n) => {
@@ -235,46 +233,43 @@ export function scene(onChoose: (robot: number) => void): Scene {
       });
       pen.globalAlpha = 1;
     }
-    if (shown.rays) drawRays(pen, frame, sheet, colours);
+    if (shown.rays && !isMany) drawRays(pen, frame, sheet, colours);
     if (shown.radio && range_m !== null) drawRadio(pen, frame, robot, range_m, sheet, colours);
     if (robots <= COLOURED) {
       for (let n = 0; n < robots; n++) {
         pen.fillStyle = look(n).colour;
         pen.strokeStyle = colours.ink;
         pen.lineWidth = 1.5 * density;
-        disc(pen, poses[n * 3]! * k, top - poses[n * 3 + 1]! * k, r, poses[n * 3 + 2]!);
+        disc(pen, floats[n * FLOATS]! * k, top - floats[n * FLOATS + 1]! * k, r, floats[n * FLOATS + 2]!);
         pen.fill();
         pen.stroke();
       }
-    } else {
-      // All discs are one path and all headings another: a thousand robots are two strokes.
+    } else if (!isMany) {
+      // All discs are one path and all headings another.
       pen.fillStyle = colours.accent;
       pen.beginPath();
       for (let n = 0; n < robots; n++) {
-        const x = poses[n * 3]! * k;
-        const y = top - poses[n * 3 + 1]! * k;
+        const [x, y] = [floats[n * FLOATS]! * k, top - floats[n * FLOATS + 1]! * k];
         pen.moveTo(x + r, y);
         pen.arc(x, y, r, 0, 2 * Math.PI);
       }
       pen.fill();
-      if (r > 2.5 * density) {
-        pen.strokeStyle = colours.floor;
-        pen.lineWidth = Math.max(r / 4, density);
-        pen.beginPath();
-        for (let n = 0; n < robots; n++) {
-          const x = poses[n * 3]! * k;
-          const y = top - poses[n * 3 + 1]! * k;
-          pen.moveTo(x, y);
-          pen.lineTo(x + r * Math.cos(poses[n * 3 + 2]!), y - r * Math.sin(poses[n * 3 + 2]!));
-        }
-        pen.stroke();
+      pen.strokeStyle = colours.floor;
+      pen.lineWidth = Math.max(r / 4, density);
+      pen.beginPath();
+      for (let n = 0; n < robots; n++) {
+        const [x, y] = [floats[n * FLOATS]! * k, top - floats[n * FLOATS + 1]! * k];
+        const heading = floats[n * FLOATS + 2]!;
+        pen.moveTo(x, y);
+        pen.lineTo(x + r * Math.cos(heading), y - r * Math.sin(heading));
       }
+      pen.stroke();
     }
     if (robot < robots) {
       pen.strokeStyle = colours.warm;
       pen.lineWidth = 3 * density;
       pen.beginPath();
-      pen.arc(poses[robot * 3]! * k, top - poses[robot * 3 + 1]! * k, r + 4 * density, 0, 2 * Math.PI);
+      pen.arc(floats[robot * FLOATS]! * k, top - floats[robot * FLOATS + 1]! * k, r + 4 * density, 0, 2 * Math.PI);
       pen.stroke();
     }
   };
@@ -289,7 +284,7 @@ export function scene(onChoose: (robot: number) => void): Scene {
     for (let n = 0; n < count; n++) {
       const trail = trails[n]!;
       let length = lengths[n]!;
-      const [x, y] = [f.poses[n * 3]!, f.poses[n * 3 + 1]!];
+      const [x, y] = [f.floats[n * FLOATS]!, f.floats[n * FLOATS + 1]!];
       // A robot that was put back to its start leaves no line across the arena.
       const far = length > 0 && Math.hypot(x - trail[length * 2 - 2]!, y - trail[length * 2 - 1]!) > 0.02 * Math.max(steps, 1);
       if (far) length = 0;
@@ -310,13 +305,12 @@ export function scene(onChoose: (robot: number) => void): Scene {
     let nearest = -1;
     let best = (radius_m * 3) ** 2;
     for (let n = 0; n < frame.robots; n++) {
-      const distance = (frame.poses[n * 3]! - x) ** 2 + (frame.poses[n * 3 + 1]! - y) ** 2;
+      const distance = (frame.floats[n * FLOATS]! - x) ** 2 + (frame.floats[n * FLOATS + 1]! - y) ** 2;
       if (distance < best) [nearest, best] = [n, distance];
     }
     if (nearest >= 0) onChoose(nearest);
   });
-  const dark = matchMedia("(prefers-color-scheme: dark)");
-  dark.addEventListener("change", fit);
+  const themeChanges = onTheme(fit);
   const resize = new ResizeObserver(fit);
   resize.observe(element);
   return {
@@ -367,7 +361,7 @@ export function scene(onChoose: (robot: number) => void): Scene {
     },
     stop: () => {
       cancelAnimationFrame(due);
-      dark.removeEventListener("change", fit);
+      themeChanges();
       resize.disconnect();
     },
   };

@@ -1,23 +1,26 @@
 // A run, live: where its robots are, what they covered, what one of them senses and has learnt.
 
-import { calm, trouble, type Screen } from "../alert";
+import { trouble, type Screen } from "../alert";
 import { h, keyed, measure, show, write } from "../dom";
 import { choose, link } from "../route";
 import { post, read, watch } from "../server";
-import { events } from "../stream";
+import { follow, hear, isHeard } from "../feed";
 import type { Coverage, CurveRow, Learnt, Progress, Run, RunSpec } from "../types";
 import { bytes, figure, pace, percent, sentence, whole } from "../words";
 import { arenasOf, type Arenas } from "./arenas";
 import { curveChart } from "./curve";
 import { explainer, reachOf } from "./explain";
 import { forkDialog } from "./fork";
-import { watchFrames, type Frame } from "./frames";
+import { watchFrames } from "./frames";
+import { choiceOf, type Frame } from "./messages";
 import { hearers } from "./overlays";
 import { replay } from "./replay";
 import { LAYERS, scene, type Layer, type Over, type Scene } from "./scene";
 import { senses } from "./senses";
 import { tableView } from "./table";
 
+/** What one robot senses is read by people: it need not be written with every picture. */
+const ROBOT_EVERY_MS = 100;
 const LEARNT_EVERY_MS = 1_000;
 const FINDINGS_EVERY_MS = 2_000;
 const ENDED = ["done", "failed", "cancelled"];
@@ -138,6 +141,7 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
   let isLive = true;
   let isCovered = false;
   let asked = "";
+  let robotDue = 0;
 
   const chooseRobot = (next: number): void => {
     const most = (frame?.robots ?? spec?.robots ?? 1) - 1;
@@ -152,7 +156,7 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
 
   const showRobot = (f: Frame): void => {
     body.draw(f, robot);
-    table.at(f.choice(robot));
+    table.at(choiceOf(f, robot));
     const range = rangeOf(spec);
     show(told, range !== null && on.has("radio"));
     if (range !== null && on.has("radio")) {
@@ -217,21 +221,27 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
     isStale = true;
   }
 
-  const hearing = events(`/v1/runs/${id}/events`, (name, data) => {
-    calm();
-    if (name === "run") showRun(data as Run);
-    else if (name === "progress") {
-      showProgress(data as Progress);
+  const readRun = (): Promise<void> => read<Run>(`/v1/runs/${id}`).then(showRun);
+  const hearing = hear((event) => {
+    if (event.name === "run" && event.data.id === id) showRun(event.data);
+    else if (event.name === "progress" && running) {
+      showProgress(event.data);
       isStale = true;
-    } else if (name === "state") {
-      read<Run>(`/v1/runs/${id}`).then(showRun, trouble);
-    }
+    } else if (event.name === "state" && event.data.run_id === id) readRun().catch(trouble);
   });
+  follow(id);
+  const showRobotSoon = (): void => {
+    if (robotDue !== 0) return;
+    robotDue = window.setTimeout(() => {
+      robotDue = 0;
+      if (frame) showRobot(frame);
+    }, ROBOT_EVERY_MS);
+  };
   const seen = (next: Frame): void => {
     frame = next;
     showArena();
     picture.frame(next);
-    showRobot(next);
+    showRobotSoon();
   };
   const watchNow = () => watchFrames(id, {
     frame: (next) => {
@@ -284,6 +294,8 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
         showArena();
         void reachOf(id).then((rows) => picture.reach(rows));
       }
+      // What is not heard is asked for, and what may be heard late.
+      if (!run || !isHeard()) await readRun();
       if (!run || !isStale || ["failed", "cancelled"].includes(run.state)) return;
       isStale = false;
       const [coverage, rows] = await Promise.all([
@@ -320,7 +332,10 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
     element,
     title: `Run ${id.slice(0, 8)}`,
     stop: () => {
-      for (const stopping of [hearing, seeing, asking, finding, picture, curve, player, why_it_did]) stopping.stop();
+      hearing();
+      follow("");
+      clearTimeout(robotDue);
+      for (const stopping of [table, seeing, asking, finding, picture, curve, player, why_it_did]) stopping.stop();
       removeEventListener("keydown", key);
     },
   };

@@ -2,7 +2,7 @@
 
 import { h, svg, write } from "../dom";
 import { MOST, MOUNTS } from "./body";
-import type { Frame } from "./frames";
+import { COMMANDS, FLOATS, SENSORS, WORDS, type Frame } from "./messages";
 
 export interface Senses {
   element: HTMLElement;
@@ -49,13 +49,13 @@ export function senses(): Senses {
     draw: (frame, robot) => {
       element.hidden = robot >= frame.robots;
       if (robot >= frame.robots) return;
-      const values = Array.from(frame.sensors.subarray(robot * 8, robot * 8 + 8));
+      const values = Array.from(frame.words.subarray(robot * WORDS + SENSORS, robot * WORDS + SENSORS + 8));
       values.forEach((value, n) => {
         const [x, y] = at(MOUNTS[n]!.heading_rad, BODY + 3 + (LONGEST * value) / MOST);
         bars[n]!.setAttribute("x2", x.toFixed(1));
         bars[n]!.setAttribute("y2", y.toFixed(1));
       });
-      const commands = Array.from(frame.commands.subarray(robot * 2, robot * 2 + 2));
+      const commands = Array.from(frame.floats.subarray(robot * FLOATS + COMMANDS, robot * FLOATS + COMMANDS + 2));
       commands.forEach((command, n) => wheels[n]!.setAttribute("y2", (centre - command * 16).toFixed(1)));
       write(text, `ps0 to ps7: ${values.join(", ")} of 4095; wheels ${commands.map((c) => c.toFixed(2)).join(", ")} of top speed`);
       drawing.setAttribute("aria-label", text.textContent ?? "");

@@ -2,7 +2,7 @@
 // robot is in.
 
 import { h, show, write } from "../dom";
-import { heat, themed } from "../looks";
+import { heat, onTheme, ramp, themed } from "../looks";
 import type { Learnt, LearntTable } from "../types";
 import { figure, whole } from "../words";
 
@@ -18,6 +18,7 @@ export interface TableView {
   draw(learnt: Learnt): void;
   /** Where the robot is now: more often than the table is read. */
   at(choice: readonly [number, number] | null): void;
+  stop(): void;
 }
 
 export function tableView(): TableView {
@@ -25,12 +26,7 @@ export function tableView(): TableView {
   const canvas = h("canvas", { role: "img", tabindex: 0 });
   const low = h("span", {});
   const high = h("span", {});
-  const ramp = h("canvas", { class: "ramp", width: 64, height: 1, "aria-hidden": true });
-  const pen = ramp.getContext("2d");
-  for (let x = 0; pen && x < 64; x++) {
-    pen.fillStyle = `rgb(${heat(x / 63).join(",")})`;
-    pen.fillRect(x, 0, 1, 1);
-  }
+  const colours = ramp();
   const cell = h("p", { class: "facts", "aria-live": "off" });
   const element = h(
     "section",
@@ -38,7 +34,7 @@ export function tableView(): TableView {
     h("h3", { id: "table-title" }, "What it has learnt"),
     h("p", { class: "tools" }, h("label", { for: "table-kind" }, "Show"), kind),
     h("div", { class: "scroll", tabindex: 0, role: "group", "aria-label": "Transition table" }, canvas),
-    h("p", { class: "legend-row quiet" }, low, ramp, high),
+    h("p", { class: "legend-row quiet" }, low, colours, high),
     cell,
   );
   let table: LearntTable | null = null;
@@ -126,6 +122,7 @@ export function tableView(): TableView {
   kind.addEventListener("change", draw);
   return {
     element,
+    stop: onTheme(draw),
     draw: (learnt) => {
       table = learnt.table ?? null;
       show(element, table !== null && table.counts.length > 0);
