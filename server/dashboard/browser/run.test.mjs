@@ -52,6 +52,15 @@ test("a learner is watched: robots, what one senses and has learnt; paused, step
   assert.ok(!page.url().includes("robot=2"), "no robot can be clicked");
   await page.getByLabel("Map").selectOption("first");
   await page.locator(".scene figcaption", { hasText: "entered first" }).waitFor();
+  await page.locator("summary", { hasText: "How far each robot has learnt" }).click();
+  const robots = page.getByRole("group", { name: "Robots" }).locator("tbody tr");
+  await robots.nth(3).waitFor();
+  await page.getByText(/learners hold .* to .* of .*MiB/).waitFor();
+  await page.getByRole("button", { name: "Choose robot 3" }).click();
+  await page.waitForURL(/robot=3.*robots=1|robots=1.*robot=3/);
+  const { items } = await server.read(`/v1/runs/${run.id}/learning`);
+  assert.equal(items.length, 4);
+  assert.match(await robots.nth(3).textContent(), /KiB|MiB| B/);
   await assertWell(page, "run");
   await page.getByLabel("Map").selectOption("visits");
   await picture(page, "run");

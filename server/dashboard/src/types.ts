@@ -22,6 +22,7 @@ export type Coverage = Schemas["Coverage"];
 export type CurveRow = Schemas["CurveRow"];
 export type MetricsRow = Schemas["MetricsRow"];
 export type Learnt = Schemas["Learnt"];
+export type Learning = Schemas["Learning"];
 export type LearntTable = Schemas["LearntTable"];
 export type RecordingSlice = Schemas["RecordingSlice"];
 export type RecordingSummary = Schemas["RecordingSummary"];

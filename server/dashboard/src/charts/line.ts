@@ -23,6 +23,8 @@ export interface Lines {
   /** A `share` is shown in per cent. */
   y: { name: string; log: boolean; share?: boolean };
   lines: Line[];
+  /** Whether labels stand at the lines, for want of a legend. */
+  labelled?: boolean;
 }
 
 export interface LineChart {
@@ -107,7 +109,7 @@ export function lineChart(name: string, title: string, zoomed: (x: [number, numb
             zoomed(window_x);
           }],
           draw: [(self) => {
-            if (lines.lines.length < LABEL_FROM) return;
+            if (lines.lines.length < LABEL_FROM && !lines.labelled) return;
             const pen = self.ctx;
             const density = devicePixelRatio || 1;
             pen.save();

@@ -40,7 +40,15 @@ function plot(scaling: Scaling): HTMLElement {
   }
   const span = (list: number[]): [number, number] => [Math.min(...list), Math.max(...list)];
   const [x0, x1] = span(points.map((point) => point.robots));
-  const [low, high] = span(points.map((point) => point.steps));
+  // A line is drawn as far as there are runs that got there.
+  const lines = TIMES.flatMap((name, place) => {
+    const fit = scaling.fits.find((one) => one.name === name);
+    const own = points.filter((point) => point.name === name);
+    if (!fit || own.length === 0) return [];
+    const ends = span(own.map((point) => point.robots)).map((robots) => ({ robots, steps: fit.a * robots ** -fit.b }));
+    return [{ name, place, fit, ends }];
+  });
+  const [low, high] = span([...points, ...lines.flatMap((line) => line.ends)].map((point) => point.steps));
   const [y0, y1] = [low / 1.2, high * 1.2];
   const onto = (value: number, from: number, to: number): number => (Math.log(value) - Math.log(from)) / (Math.log(to) - Math.log(from) || 1);
   const x = (robots: number): number => 70 + onto(robots, x0, x1) * (WIDTH - 100);
@@ -58,22 +66,19 @@ function plot(scaling: Scaling): HTMLElement {
     drawing.append(svg("text", { x: 62, y: y(steps) + 4, "text-anchor": "end", class: "tick" }, whole(Number(steps.toPrecision(2)))));
   }
   drawing.append(svg("text", { x: WIDTH / 2, y: HEIGHT - 4, "text-anchor": "middle", class: "tick" }, "robots (log)"));
-  const said: string[] = [];
-  TIMES.forEach((name, place) => {
+  for (const { name, place, robots, steps, n } of points) {
+    drawing.append(svg("circle", { cx: x(robots), cy: y(steps), r: 4, fill: look(place).colour },
+      svg("title", {}, `${name}, ${robots} robots: ${whole(steps)} steps, n ${n}`)));
+  }
+  const said = lines.map(({ name, place, fit, ends }) => {
     const { colour, dash } = look(place);
-    const own = points.filter((point) => point.name === name);
-    for (const point of own) {
-      drawing.append(svg("circle", { cx: x(point.robots), cy: y(point.steps), r: 4, fill: colour },
-        svg("title", {}, `${name}, ${point.robots} robots: ${whole(point.steps)} steps, n ${point.n}`)));
-    }
-    const fit = scaling.fits.find((one) => one.name === name);
-    if (!fit) return;
-    const at = (robots: number): number => fit.a * robots ** -fit.b;
-    const line = svg("line", { x1: x(x0), x2: x(x1), y1: y(at(x0)), y2: y(at(x1)), stroke: colour, "stroke-width": 2 });
+    const [from, to] = ends as [typeof ends[0], typeof ends[0]];
+    const short = name.replace("_steps", "");
+    const line = svg("line", { x1: x(from!.robots), x2: x(to!.robots), y1: y(from!.steps), y2: y(to!.steps), stroke: colour, "stroke-width": 2 });
     if (dash.length) line.setAttribute("stroke-dasharray", dash.join(" "));
-    drawing.append(line, svg("text", { x: WIDTH - 26, y: y(at(x1)) - 6, "text-anchor": "end", class: "tick" }, name.replace("_steps", "")));
+    drawing.append(line, svg("text", { x: x(to!.robots) + 8, y: y(to!.steps) + 4, class: "tick halo" }, short));
     const interval = fit.b_interval ? ` [${figure(fit.b_interval.low)}, ${figure(fit.b_interval.high)}]` : "";
-    said.push(`${name.replace("_steps", "")} ~ N^-${figure(fit.b)}${interval}, n = ${fit.n}${fit.missed ? `, ${fit.missed} never got there` : ""}`);
+    return `${short} ~ N^-${figure(fit.b)}${interval}, n = ${fit.n}${fit.missed ? `, ${fit.missed} never got there` : ""}`;
   });
   write(text, `${said.join("; ")}. With exponent 1 twice the robots take half the time; intervals of 95 %.`);
   drawing.setAttribute("aria-label", `${title}: ${text.textContent}`);

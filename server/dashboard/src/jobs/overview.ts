@@ -69,7 +69,7 @@ export function overview(): Screen {
     write(
       counts,
       sentence(
-        `${whole(jobs.length)} jobs shown`,
+        `${whole(jobs.length)} ${jobs.length === 1 ? "job" : "jobs"} shown`,
         `${whole(active.length)} under way`,
         `${whole(waiting)} runs wait`,
         `${whole(at("done").length)} done`,

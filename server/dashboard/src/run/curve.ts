@@ -19,6 +19,7 @@ export function curveChart() {
       chart.draw({
         x: { name: "epoch", at: rows.map((row) => row.epoch) },
         y: { name: "squares", log: false },
+        labelled: true,
         lines: LEVELS.map((level, place) => ({
           label: level, look: look(place), mean: rows.map((row) => row[level]),
         })),

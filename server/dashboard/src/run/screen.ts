@@ -15,6 +15,7 @@ import { watchFrames } from "./frames";
 import { choiceOf, type Frame } from "./messages";
 import { hearers } from "./overlays";
 import { replay } from "./replay";
+import { robotsTable } from "./robots";
 import { LAYERS, scene, type Layer, type Over, type Scene } from "./scene";
 import { senses } from "./senses";
 import { tableView } from "./table";
@@ -88,6 +89,7 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
   const fork = forkDialog(id);
   const body = senses();
   const table = tableView();
+  const robots = robotsTable(id, options, (chosen) => chooseRobot(chosen));
   const curve = curveChart();
   const layer = h("select", { id: "layer" }, ...Object.entries(LAYERS).map(([value, text]) => h("option", { value }, text)));
   const chosenLayer = options.get("layer");
@@ -126,7 +128,7 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
     why_it_did.element, bar, facts, why,
     h("div", { class: "two" },
       h("div", { class: "left" }, tools, h("div", { class: "scenes" }, h("div", {}, about, picture.element), player.beside), player.element, moment, told, curve.element),
-      h("div", { class: "right" }, h("h3", {}, "This run"), figures, h("h3", {}, "One robot"), chooser, learner, body.element, table.element)),
+      h("div", { class: "right" }, h("h3", {}, "This run"), figures, h("h3", {}, "One robot"), chooser, learner, body.element, table.element, robots.element)),
     h("h3", {}, "Files"),
     files,
   );
@@ -210,6 +212,7 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
     job.href = link("job", next.job_id);
     player.run(next);
     fork.run(next);
+    robots.run(next);
     running = next.state === "running";
     show(pause, ["queued", "running"].includes(next.state));
     show(resume, next.state === "paused");
@@ -335,7 +338,7 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
       hearing();
       follow("");
       clearTimeout(robotDue);
-      for (const stopping of [table, seeing, asking, finding, picture, curve, player, why_it_did]) stopping.stop();
+      for (const stopping of [table, robots, seeing, asking, finding, picture, curve, player, why_it_did]) stopping.stop();
       removeEventListener("keydown", key);
     },
   };
