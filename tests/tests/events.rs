@@ -177,9 +177,8 @@ fn a_slow_listener_to_all_hears_every_change_of_six_hundred_runs() {
     };
     let mut spec = small_spec();
     spec["epochs"] = json!(1);
-    spec["steps_per_epoch"] = json!(10);
-    let posted = [1, 2].map(|number| {
-        spec["robots"] = json!(number);
+    let posted = [10, 11].map(|steps| {
+        spec["steps_per_epoch"] = json!(steps);
         server.submit(&job(spec.clone(), 300))
     });
     for job in &posted {

@@ -237,9 +237,11 @@ impl State {
 
 /// Whether what is told is of the end of a run: of this one, or of the one that all of it is about.
 fn has_ended(told: &[Told], run: Option<&str>) -> bool {
-    let changes = told.iter().filter_map(|told| match &told.event {
+    let mut changes = told.iter().filter_map(|told| match &told.event {
         Event::State(change) if run.is_none_or(|run| run == change.run_id) => Some(change),
         _ => None,
     });
-    changes.last().is_some_and(|change| change.state.is_final())
+    changes
+        .next_back()
+        .is_some_and(|change| change.state.is_final())
 }
