@@ -13,7 +13,7 @@ DASHBOARD := server/dashboard
 .PHONY: build run dashboard dashboard-pictures dashboard-rate test test-rust test-python test-contract test-dashboard lint circles deny bench figures
 
 build:
-	$(CARGO) build --release --workspace --bins --examples
+	$(CARGO) build --release --workspace --lib --bins --examples
 
 # Serves at LISTEN, says what to open and, unless DATA holds jobs already, posts the README's first
 # job and follows it. Ctrl-C stops the server, which keeps what its runs have done; the next

@@ -29,7 +29,7 @@ pub struct FieldLayout {
 }
 
 /// A shared-memory type as C sees it.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct TypeLayout {
     /// Name under which the channel checks the type; holds its version.
     pub type_name: String,
@@ -148,39 +148,6 @@ impl FrameHeader {
             .copied()
             .unwrap_or("unknown")
     }
-}
-
-/// A channel of a run, as `GET /v1/runs/{id}/channels` describes it.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-pub struct ChannelDescription {
-    /// What it carries: `frames`, or `objects` where there are movable objects.
-    pub name: String,
-    /// Library and version that a reader must use.
-    pub transport: String,
-    /// Messaging pattern: `publish-subscribe`.
-    pub pattern: String,
-    /// Name of the service.
-    pub service: String,
-    /// Folder of the transport's bookkeeping (`global.root-path`); readers must set it.
-    pub root_path: String,
-    /// Prefix of the transport's files (`global.prefix`); readers must set it.
-    pub prefix: String,
-    /// [`FRAMES_VERSION`].
-    pub version: u32,
-    /// Element of the slice that a sample carries.
-    pub payload: TypeLayout,
-    /// User header of a sample.
-    pub header: TypeLayout,
-    /// Most frames sent a second of wall time.
-    pub max_frames_per_second: u32,
-    /// Most readers at once.
-    pub max_subscribers: usize,
-    /// Frames that a reader may lag behind before it loses the oldest; smaller in big swarms.
-    pub subscriber_buffer: usize,
-    /// Past frames that a new reader gets at once.
-    pub history: usize,
-    /// Names that the header's `phase` indexes.
-    pub phases: Vec<String>,
 }
 
 /// Name of the service on which a run's frames are sent.

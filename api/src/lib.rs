@@ -3,6 +3,7 @@
 //! Types only. Documents that are stored or sent to others carry a `schema` number.
 
 pub mod catalog;
+pub mod channels;
 pub mod checks;
 pub mod comparison;
 pub mod control;
@@ -17,6 +18,7 @@ pub mod learnt;
 pub mod objects;
 pub mod problem;
 pub mod problem_codes;
+pub mod reader;
 pub mod recording;
 pub mod refusals;
 pub mod result;

@@ -2,6 +2,7 @@
 //! load on the service, its memory, faults of it, inputs at random, and what recording costs.
 
 pub mod cases;
+pub mod channels;
 mod client;
 pub mod compare;
 pub mod document;

@@ -8,8 +8,8 @@ use clap::{Parser, Subcommand};
 use loadtests::cases::{self, Case};
 use loadtests::measure::{Figure, measure};
 use loadtests::{
-    compare, document, faults, fuzz, instructions, memory, picture, recording, service, table,
-    threads,
+    channels, compare, document, faults, fuzz, instructions, memory, picture, recording, service,
+    table, threads,
 };
 use swarm::crew::Crew;
 
@@ -66,6 +66,8 @@ enum Other {
     Fuzz(fuzz::Options),
     /// One world on several threads.
     Threads(threads::Options),
+    /// What channels cost a run, or how long a question to a controller takes.
+    Channels(channels::Options),
     /// What recording costs, as Markdown tables.
     Recording(recording::Options),
 }
@@ -78,6 +80,7 @@ fn main() -> Result<()> {
         Some(Other::Memory(options)) => return memory::run(options),
         Some(Other::Fuzz(options)) => return fuzz::run(options),
         Some(Other::Threads(options)) => return threads::run(options),
+        Some(Other::Channels(options)) => return channels::run(options),
         Some(Other::Recording(options)) => return recording::run(options),
         None => {}
     }

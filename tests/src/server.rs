@@ -73,6 +73,11 @@ impl Server {
         })
     }
 
+    /// What it has logged.
+    pub fn log(&self) -> String {
+        fs::read_to_string(&self.log).unwrap()
+    }
+
     /// The directory of a server that was started on a small disk.
     pub fn disk(&self, home: &Path) -> PathBuf {
         let home = home.canonicalize().unwrap();

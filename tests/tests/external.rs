@@ -214,3 +214,69 @@ fn a_run_that_is_steered_from_outside_records_itself_and_nothing_else_does() {
         .problem(404);
     assert!(missing.detail.unwrap().contains("say `record` in the spec"));
 }
+
+/// The commands that programs answered are in a recording: it takes their place.
+#[test]
+fn a_recording_of_the_answers_repeats_the_run_without_the_program() {
+    let home = tempfile::tempdir().unwrap();
+    let path = |name: &str| home.path().join(name);
+    let run = |out: &str, spec: &Value, arguments: &[&str]| {
+        std::fs::write(path("spec.json"), spec.to_string()).unwrap();
+        Command::new(program("evswarm"))
+            .args(["run", "spec.json", "--out", out])
+            .args(arguments)
+            .env("XDG_RUNTIME_DIR", home.path())
+            .current_dir(home.path())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap()
+    };
+    let mut steered = spec(json!({ "method": "external", "deadline_ms": 20_000 }))["base"].take();
+    steered["seed"] = json!(5);
+    steered["record"] = json!({ "every_steps": 1, "fields": ["command"] });
+    let mut first = run("first", &steered, &["--external-name", "first"]);
+    let steering = Steering::start(home.path(), "first", 0);
+    assert!(wait::for_exit(&mut first).success());
+    drop(steering);
+    let recording = path("first/recording.evrec");
+    let answers = ["--answers", recording.to_str().unwrap()];
+    // It may be killed on the way, as any run.
+    let mut killed = run("second", &steered, &answers);
+    std::thread::sleep(Duration::from_millis(30));
+    killed.kill().unwrap();
+    killed.wait().unwrap();
+    let mut second = run("second", &steered, &answers);
+    assert!(wait::for_exit(&mut second).success());
+    for entry in std::fs::read_dir(path("first")).unwrap() {
+        let name = entry.unwrap().file_name();
+        let read = |run: &str| std::fs::read(path(run).join(&name)).unwrap();
+        assert!(
+            name == "timing.json" || read("first") == read("second"),
+            "{name:?} differs"
+        );
+    }
+    // Without asking for a recording too: the answers are of the same run.
+    let mut plain = steered.clone();
+    plain["record"] = json!({ "every_steps": 0 });
+    let mut third = run("third", &plain, &answers);
+    assert!(wait::for_exit(&mut third).success());
+    let visits = |run: &str| std::fs::read(path(run).join("visits.npy")).unwrap();
+    assert!(visits("first") == visits("third"));
+
+    let refused = |out: &str, spec: &Value, why: &str| {
+        let ended = run(out, spec, &answers).wait_with_output().unwrap();
+        let said = String::from_utf8_lossy(&ended.stderr).into_owned();
+        assert_eq!(ended.status.code(), Some(1), "{said}");
+        assert!(said.contains(why), "{said}");
+    };
+    let mut other = steered.clone();
+    other["seed"] = json!(6);
+    refused("other", &other, "a recording of another run");
+    let mut own = steered.clone();
+    own["controller"] = json!({ "method": "braitenberg" });
+    refused(
+        "own",
+        &own,
+        "--answers is for runs with the method external",
+    );
+}

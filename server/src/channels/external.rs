@@ -15,7 +15,7 @@ use swarm::run::Run;
 use swarm::spec::{Method, RunSpec};
 use swarm::world::Body;
 
-use super::ports::create_private_folder;
+use super::port::create_private_folder;
 use super::room::{self, NoRoom};
 
 /// How long an answer is waited for awake, before the run sleeps until the bell rings.

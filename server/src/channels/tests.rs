@@ -13,13 +13,27 @@ use iceoryx2::sample::Sample;
 use iceoryx2::service::builder::publish_subscribe::PublishSubscribeOpenError;
 use iceoryx2::service::port_factory::publish_subscribe;
 
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use api::frames::{
+    FRAMES_VERSION, FrameHeader, PHASES, RobotState, frames_service, transport_config,
+};
+use swarm::run::{Phase, Progress};
+use swarm::world::{Bodies, Body, Objects};
+
+use super::frame::{FrameInfo, phase_code};
+use super::publisher::{Copied, FramePublisher};
 use super::*;
 
 type FrameSample<T> = Sample<ipc::Service, [T], FrameHeader>;
 
 /// Only robots, so many.
 fn robots(robots: usize) -> Extent {
-    Extent { robots, objects: 0 }
+    Extent {
+        robots,
+        ..Extent::default()
+    }
 }
 
 /// A temporary root; removes what the transport left behind, in shared memory too.
@@ -301,33 +315,67 @@ fn a_channel_that_cannot_be_opened_is_a_warning() {
     std::fs::write(&root.settings.root, "a file, not a folder").unwrap();
     let error = FramePublisher::open(&root.settings, "run", robots(1)).unwrap_err();
     assert!(matches!(error, ChannelError::Folder { .. }), "{error}");
-    assert!(FramePublisher::open_or_warn(&root.settings, "run", robots(1)).is_none());
     let relative = ChannelSettings {
         root: "channels".into(),
         ..root.settings.clone()
     };
-    assert!(FramePublisher::open_or_warn(&relative, "run", robots(1)).is_none());
+    assert!(FramePublisher::open(&relative, "run", robots(1)).is_err());
     let endless = "x".repeat(5_000);
     let usable = ChannelSettings {
         root: root.folder.path().join("ok"),
         ..root.settings.clone()
     };
-    assert!(FramePublisher::open_or_warn(&usable, &endless, robots(1)).is_none());
-    assert!(FramePublisher::open_or_warn(&usable, "run", robots(100_000_000)).is_none());
+    assert!(FramePublisher::open(&usable, &endless, robots(1)).is_err());
+    assert!(FramePublisher::open(&usable, "run", robots(100_000_000)).is_err());
 }
 
 #[test]
 fn descriptions_match_the_channel() {
     let root = Root::new();
-    let channels = describe(&root.settings, "run", robots(1)).unwrap();
+    let extent = Extent {
+        objects: 2,
+        squares: 10_000,
+        controllers: 2,
+        ..robots(3)
+    };
+    let described = |extent, desk| {
+        let by_spec = ChannelSet::of_spec(true);
+        describe(&root.settings, "run", extent, by_spec, desk).unwrap()
+    };
+    let desk = Desk::default();
+    desk.say("frames", Some(Fate::Open));
+    desk.say("coverage", Some(Fate::Closed("why".to_owned())));
+    let channels = described(extent, Some(&desk));
+    let names: Vec<_> = channels.iter().map(|it| it.name.as_str()).collect();
+    let expected = [
+        "frames", "objects", "lossless", "coverage", "metrics", "events", "status", "external",
+        "external",
+    ];
+    assert_eq!(names, expected);
     let frames = &channels[0];
     assert_eq!(frames.service, "swarm/run/frames");
     assert_eq!(Path::new(&frames.root_path), root.settings.root);
-    assert_eq!(frames.payload.size_bytes, size_of::<RobotState>());
+    assert_eq!(frames.payload_bytes, 3 * size_of::<RobotState>());
+    assert!(frames.is_open && frames.closed_because.is_none());
+    let coverage = &channels[3];
+    assert_eq!((coverage.is_open, coverage.payload_bytes), (false, 40_000));
+    assert_eq!(coverage.closed_because.as_deref(), Some("why"));
+    assert_eq!(channels[2].asked_by, None, "lossless has to be asked for");
+    let asked = [&channels[7], &channels[8]].map(|it| (it.service.as_str(), it.payload_elements));
+    assert_eq!(
+        asked,
+        [("swarm/run/external/0", 2), ("swarm/run/external/1", 1)]
+    );
+    for channel in &channels {
+        let suffix = format!(".v{}", channel.version);
+        assert!(channel.payload.type_name.ends_with(&suffix), "{channel:?}");
+    }
+    // Frames of so many robots do not fit; the other channels do.
+    let large = described(robots(100_000_000), None);
     assert!(
-        describe(&root.settings, "run", robots(100_000_000))
-            .unwrap()
-            .is_empty()
+        large
+            .iter()
+            .all(|it| it.name != "frames" && it.name != "lossless")
     );
     for (code, &phase) in Phase::ALL.iter().enumerate() {
         assert_eq!(phase_code(phase) as usize, code);
@@ -401,4 +449,40 @@ fn a_reader_that_is_killed_does_not_hold_up_the_others() {
         exchange(&mut publisher);
         (readers() == 1).then_some(())
     });
+}
+
+/// Nodes of processes that were killed, under a root.
+fn dead_nodes(settings: &ChannelSettings) -> usize {
+    let mut dead = 0;
+    let config = transport_config(&settings.root).unwrap();
+    Node::<ipc::Service>::list(&config, |node| {
+        dead += usize::from(matches!(node, NodeState::Dead(_)));
+        CallbackProgression::Continue
+    })
+    .unwrap();
+    dead
+}
+
+#[test]
+fn what_killed_processes_leave_is_removed_at_the_start_and_again_and_again() {
+    let root = Root::new();
+    let kill_a_reader = || {
+        let publisher = FramePublisher::open(&root.settings, "run", robots(1)).unwrap();
+        let mut doomed = start_reader_process(&root.settings.root);
+        eventually("watched state", || publisher.slot.watched().then_some(()));
+        drop(publisher);
+        doomed.kill().unwrap();
+        doomed.wait().unwrap();
+    };
+    kill_a_reader();
+    assert_eq!(dead_nodes(&root.settings), 1);
+    let _cleaner = cleaning::Cleaner::every(root.settings.root.clone(), Duration::from_millis(50));
+    let clean = || {
+        let left = root.shared_memory();
+        (dead_nodes(&root.settings) == 0 && left.len() <= 1).then_some(())
+    };
+    eventually("clean shared memory", clean);
+    // One that is killed later, with the cleaner's next round.
+    kill_a_reader();
+    eventually("clean shared memory", clean);
 }

@@ -8,13 +8,14 @@ use std::time::Instant;
 
 use anyhow::{Context, anyhow, bail};
 use swarm::run::{Outcome, RestoreError, Run};
+use swarm::spec::Method;
 
 use super::checkpoint::{Checkpoint, Spent};
 use super::out::Out;
 use super::progress::Meter;
 use super::{Failure, output};
 use crate::artifacts::{self, Finished, Timing};
-use crate::channels::{ChannelSettings, Extent, External, FramePublisher};
+use crate::channels::{ChannelSet, ChannelSettings, Desk, Extent, External, RunChannels};
 use crate::documents::{self, BuiltinArenas, MOST_RECORDING_BYTES, ResolvedRun, Stretch};
 use crate::recording::{self, Begun, SharedRecorder, Tail};
 use crate::runner::{self, Checkpoints, Ended, MemoryBound, Pilot, Threads, Waits};
@@ -40,6 +41,10 @@ pub struct RunArguments {
     /// that several of one spec can be under way [default: the run's id].
     #[arg(long, value_name = "NAME")]
     external_name: Option<String>,
+    /// Where robots are steered from outside: a recording of this very run, whose commands steer
+    /// them in place of programs. It must hold every step, all robots and the field command.
+    #[arg(long, value_name = "FILE", conflicts_with = "external_name")]
+    answers: Option<PathBuf>,
 }
 
 pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
@@ -72,15 +77,15 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
         costs: Costs::since_now(before),
     };
     show_plan(&work.run);
-    let frames = open_frames(&spec);
+    let channels = channels(&spec);
     let most = arguments.run_memory_bytes;
     let most = most.unwrap_or_else(|| runner::default_run_memory_bytes(NonZeroUsize::MIN));
-    let pilot = Patient::open(&spec, arguments.external_name.as_deref(), &stop)?;
+    let mut pilot = pilot(&spec, arguments, &stop)?;
     let Some(outcome) = finish(
         &mut work,
-        pilot,
+        pilot.as_mut().map(|pilot| &mut **pilot as &mut dyn Pilot),
         &checkpoint,
-        frames,
+        channels,
         (threads, most),
         &stop,
     )?
@@ -221,23 +226,29 @@ pub(super) fn wrong(errors: Vec<swarm::spec::FieldError>) -> Failure {
     Failure::WrongSpec(errors.into_iter().map(documents::field_error).collect())
 }
 
-/// The run's frames for local programs, if its spec asks for them.
-fn open_frames(spec: &ResolvedRun) -> Option<FramePublisher> {
+/// The run's channels for local programs, if its spec asks for them.
+fn channels(spec: &ResolvedRun) -> Option<RunChannels> {
     if !spec.channels() {
         return None;
     }
     let (key, extent) = (spec.key(), Extent::of(&spec.run_spec()));
-    let frames = FramePublisher::open_or_warn(&ChannelSettings::default(), &key, extent)?;
     tracing::info!("frames are on {}", api::frames::frames_service(&key));
-    Some(frames)
+    Some(RunChannels::new(
+        &ChannelSettings::default(),
+        &key,
+        extent,
+        ChannelSet::of_spec(true),
+        Arc::<Desk>::default(),
+        Arc::default(),
+    ))
 }
 
 /// Steps the run to its end; `None` when stopped on the way, with a checkpoint made.
 fn finish(
     work: &mut Work,
-    mut patient: Option<Patient<'_>>,
+    pilot: Option<&mut dyn Pilot>,
     checkpoint: &Arc<Checkpoint>,
-    mut frames: Option<FramePublisher>,
+    mut channels: Option<RunChannels>,
     (threads, run_memory_bytes): (usize, u64),
     stop: &Stop,
 ) -> anyhow::Result<Option<Outcome>> {
@@ -254,7 +265,6 @@ fn finish(
     } = work;
     let mut threads = Threads::new(|| threads);
     let mut memory = MemoryBound::new(run_memory_bytes);
-    let pilot = patient.as_mut().map(|patient| patient as &mut dyn Pilot);
     let take = |run: &Run| (run.snapshot(), costs.spent(), recorder.tail());
     let mut checkpoints = Checkpoints::new(take, {
         let checkpoint = Arc::clone(checkpoint);
@@ -274,7 +284,7 @@ fn finish(
             &mut threads,
             &mut memory,
             &mut meter,
-            &mut frames,
+            &mut channels,
             &mut checkpoints,
             &mut recorder.clone(),
         ],
@@ -297,6 +307,24 @@ fn finish(
         }
         Ended::Failed(reason) => Err(anyhow!(reason)),
     }
+}
+
+/// Who steers a run whose robots do not steer themselves.
+fn pilot<'a>(
+    spec: &ResolvedRun,
+    arguments: &RunArguments,
+    stop: &'a Stop,
+) -> anyhow::Result<Option<Box<dyn Pilot + 'a>>> {
+    let Some(path) = &arguments.answers else {
+        let patient = Patient::open(spec, arguments.external_name.as_deref(), stop)?;
+        return Ok(patient.map(|patient| Box::new(patient) as _));
+    };
+    if spec.method() != Method::External {
+        bail!("--answers is for runs with the method external");
+    }
+    let answers = recording::Answers::open(path, spec);
+    let answers = answers.with_context(|| format!("{} cannot steer the run", path.display()))?;
+    Ok(Some(Box::new(answers)))
 }
 
 /// Waits for the programs that steer a run for as long as it takes.

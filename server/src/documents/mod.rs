@@ -3,6 +3,7 @@
 //! Names, ranges and units of parameters come from the tables in `swarm`; nothing is listed twice.
 
 mod arena;
+mod channels;
 mod controller;
 mod design;
 mod domains;
@@ -31,6 +32,7 @@ mod template_list;
 mod templates;
 
 pub use arena::{ArenaSource, BuiltinArenas, arena_error, read_arena};
+pub use channels::asked_channels;
 pub use design::{Design, DesignAxis};
 pub use expand::{ExpandedJob, MAX_RUNS, expand, run_count};
 pub use extend::with_more_seeds;

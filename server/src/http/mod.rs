@@ -7,6 +7,7 @@ mod arenas;
 mod asked_recordings;
 mod body;
 mod catalog;
+mod channels;
 mod checkpoints;
 mod checks;
 mod comparison;

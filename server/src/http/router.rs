@@ -22,8 +22,9 @@ use super::metrics::Metrics;
 use super::refusal::Refusal;
 use super::routes::Routes;
 use super::{
-    arenas, asked_recordings, catalog, checkpoints, checks, comparison, compression, conditional,
-    contract, control, events, explain, exports, files, health, job_findings, jobs, learning,
+    arenas, asked_recordings, catalog, channels, checkpoints, checks, comparison, compression,
+    conditional, contract, control, events, explain, exports, files, health, job_findings, jobs,
+    learning,
     openapi, page, problems, recordings, runs, scrape, watching, workers,
 };
 
@@ -37,6 +38,7 @@ pub fn routes() -> Routes {
         .merge(comparison::routes())
         .merge(exports::routes())
         .merge(runs::routes())
+        .merge(channels::routes())
         .merge(events::routes())
         .merge(files::routes())
         .merge(watching::routes())

@@ -1,7 +1,6 @@
-//! `/v1/runs/{id}`: show, spec, result, memory, channels, cancel.
+//! `/v1/runs/{id}`: show, spec, result, memory, cancel.
 
 use api::ProblemCode::{AlreadyEnded, NoResult};
-use api::frames::ChannelDescription;
 use api::{MemoryPlan, RunPage, RunResult, RunSummary};
 use axum::Json;
 use axum::extract::State;
@@ -15,7 +14,6 @@ use super::query::{CURSOR, LIMIT, ORDER, Parameter, Query, STATE};
 use super::refusal::Refusal;
 use super::routes::Routes;
 use crate::artifacts::memory_plan;
-use crate::channels::{Extent, describe};
 use crate::findings::views;
 use crate::store::{JobKey, RunFilter, RunKey, RunState};
 
@@ -63,15 +61,6 @@ pub fn routes() -> Routes {
             Operation::new("getRunMemory", "What each robot's learner may hold")
                 .details("Known before the run starts.")
                 .shows::<MemoryPlan>("The plan."),
-        )
-        .get(
-            "/runs/{id}/channels",
-            channels,
-            Operation::new("getRunChannels", "How local programs can watch the run").shows::<Vec<
-                ChannelDescription,
-            >>(
-                "What is needed to open the channels in shared memory; empty without any.",
-            ),
         )
         .post(
             "/runs/{id}/cancel",
@@ -139,23 +128,6 @@ async fn memory(
     app.blocking(move |app| {
         let spec = app.findings.resolved(&run)?.run_spec();
         Ok(Json(memory_plan(spec.memory_plan())))
-    })
-    .await
-}
-
-/// `GET /v1/runs/{id}/channels`: what a program needs to open the run's channels; empty when it has
-/// none.
-async fn channels(State(app): State<App>, FoundRun(run): FoundRun) -> Result<Response, Refusal> {
-    app.blocking(move |app| {
-        let spec = app.findings.resolved(&run)?;
-        let channels = if spec.channels() {
-            let extent = Extent::of(&spec.run_spec());
-            describe(app.scheduler.channels(), &run.id, extent)
-                .map_err(|error| Refusal::internal(&error))?
-        } else {
-            Vec::new()
-        };
-        Ok(Json(channels).into_response())
     })
     .await
 }

@@ -14,7 +14,7 @@ use tokio::time::MissedTickBehavior;
 use super::access::Tokens;
 use super::listen::listen;
 use super::router::router;
-use crate::channels::ChannelSettings;
+use crate::channels::{ChannelSettings, Cleaner};
 use crate::recording::Limits;
 use crate::runner::default_run_memory_bytes;
 use crate::scheduler::{Keep, Scheduler, SchedulerConfig};
@@ -95,6 +95,7 @@ pub fn serve(options: ServeOptions) -> anyhow::Result<()> {
             recordings: options.recordings,
             channels: ChannelSettings::default(),
         };
+        let _cleaner = Cleaner::start(config.channels.root.clone());
         let scheduler = Arc::new(Scheduler::start(Arc::clone(&store), config)?);
         let stop = Stop::on_signals(1)?;
         let routes = router(store, Arc::clone(&scheduler), tokens);

@@ -1,6 +1,7 @@
 //! Recordings of runs: taken while a run is stepped, live or later from its beginning again, and
 //! read back in slices and in other formats. The format itself is the crate `recording`.
 
+mod answers;
 mod explained;
 mod film;
 mod kept;
@@ -23,6 +24,7 @@ mod subject;
 mod tests;
 mod wish;
 
+pub use answers::{Answers, AnswersError};
 pub use explained::known_explanation;
 pub use film::Film;
 pub use kept::Keeper;

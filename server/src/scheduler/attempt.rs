@@ -13,7 +13,7 @@ use super::counters::{CountedSteps, Counters};
 use super::live::{LiveRun, Views, findings_of};
 use super::spread::Spread;
 use crate::artifacts::{run_result, thread_cpu_s};
-use crate::channels::{AskError, Extent, External, FramePublisher};
+use crate::channels::{AskError, ChannelSet, Desk, Extent, External, Fate, RunChannels};
 use crate::documents::{ResolvedRun, Stretch, resolve_stored};
 use crate::recording::{
     Begun, Keeper, SharedRecorder, Tail, begin, begin_at_origin, finish, first_whole_epoch, header,
@@ -40,6 +40,7 @@ pub fn attempt(
     claimed: &ClaimedRun,
     live: &LiveRun,
     spread: &Spread,
+    desk: Arc<Desk>,
 ) -> Ended {
     let start = Instant::now();
     let cpu_s = thread_cpu_s();
@@ -54,14 +55,24 @@ pub fn attempt(
         Err(reason) => return Ended::Failed(reason),
     };
     let extent = Extent::of(&resolved.run_spec());
-    let mut frames = resolved
-        .channels()
-        .then(|| FramePublisher::open_or_warn(&config.channels, &claimed.id, extent))
-        .flatten();
+    let mut channels = RunChannels::new(
+        &config.channels,
+        &claimed.id,
+        extent,
+        ChannelSet::of_spec(resolved.channels()),
+        Arc::clone(&desk),
+        Arc::clone(live.stop_flag()),
+    );
     let mut external = match External::open(&config.channels.root, &claimed.id, run.spec()) {
         Ok(external) => external,
-        Err(error) => return Ended::Stopped(Box::new(run), recorder, Some(waits(&error))),
+        Err(error) => {
+            desk.say("external", Some(Fate::Closed(error.to_string())));
+            return Ended::Stopped(Box::new(run), recorder, Some(waits(&error)));
+        }
     };
+    if external.is_some() {
+        desk.say("external", Some(Fate::Open));
+    }
     let pilot = external.as_mut().map(|external| external as &mut dyn Pilot);
     let done_before = run.progress().robot_steps_done;
     let mut views = Views::new(live, done_before);
@@ -99,7 +110,7 @@ pub fn attempt(
             &mut threads,
             &mut memory,
             &mut steps,
-            &mut frames,
+            &mut channels,
             &mut views,
             &mut watched,
             &mut checkpoints,

@@ -81,7 +81,7 @@ impl Saves {
 #[derive(Debug)]
 pub struct LiveRun {
     begun: Instant,
-    stop: AtomicBool,
+    stop: Arc<AtomicBool>,
     view: Mutex<Option<Arc<View>>>,
     pace: Mutex<Option<f64>>,
     saves: Arc<Saves>,
@@ -94,7 +94,7 @@ impl LiveRun {
     pub fn new(pace: Option<f64>) -> Self {
         Self {
             begun: Instant::now(),
-            stop: AtomicBool::new(false),
+            stop: Arc::default(),
             view: Mutex::default(),
             pace: Mutex::new(pace),
             saves: Arc::default(),
@@ -125,6 +125,11 @@ impl LiveRun {
     /// Asks the worker to let go of the run after the present block of steps.
     pub fn stop(&self) {
         self.stop.store(true, Ordering::Relaxed);
+    }
+
+    /// Becomes true when the worker is asked to let go.
+    pub fn stop_flag(&self) -> &Arc<AtomicBool> {
+        &self.stop
     }
 
     /// Whether the worker was asked to let go.

@@ -18,7 +18,7 @@ use super::live::{LiveRun, View};
 use super::queue::FairQueue;
 use super::spread::Spread;
 use crate::break_points::{Place, reach};
-use crate::channels::ChannelSettings;
+use crate::channels::{ChannelSettings, Desks};
 use crate::store::{
     ClaimedRun, CreateJobError, Created, Intent, JobKey, JobRequest, NewJob, RunKey, StoppedRun,
     Store, StoreError,
@@ -45,6 +45,7 @@ pub(super) struct Shared {
     pub(super) state: Mutex<State>,
     pub(super) changed: Condvar,
     pub(super) spread: Spread,
+    pub(super) desks: Desks,
 }
 
 #[derive(Default)]
@@ -77,6 +78,7 @@ impl Scheduler {
             state: Mutex::new(state),
             changed: Condvar::new(),
             spread: Spread::new(workers),
+            desks: Desks::default(),
         });
         let scheduler = Self {
             shared,
@@ -250,6 +252,11 @@ impl Scheduler {
         &self.shared.config.channels
     }
 
+    /// What is asked of channels over HTTP.
+    pub fn desks(&self) -> &Desks {
+        &self.shared.desks
+    }
+
     /// Lets go of every run, with a checkpoint, and ends the workers. Blocks until they have ended.
     pub fn shut_down(&self) {
         {
@@ -412,9 +419,12 @@ impl Shared {
         let _span = tracing::info_span!("run", id = claimed.id).entered();
         let stepping = AssertUnwindSafe(|| {
             let (store, config, counters) = (&self.store, &self.config, &self.counters);
-            attempt::attempt(store, config, counters, claimed, live, &self.spread)
+            let desk = self.desks.open(&claimed.id);
+            attempt::attempt(store, config, counters, claimed, live, &self.spread, desk)
         });
         let ended = catch_unwind(stepping).unwrap_or_else(|panic| Ended::Failed(said(&*panic)));
+        let goes_on = matches!(ended, Ended::Stopped(..));
+        self.desks.leave(&claimed.id, goes_on);
         match ended {
             Ended::Finished(finished, last) => {
                 // Before it is seen as done, so that whoever sees that can extend it.

@@ -4,7 +4,7 @@ use sha2::{Digest, Sha256};
 
 use super::coverage::{counts_over, counts_within};
 use super::machine::Run;
-use super::metrics::{MetricsLog, RobotMetrics};
+use super::metrics::{MetricsLog, MetricsRow, RobotMetrics};
 use super::outcome::{ObjectOutcome, Outcome};
 use super::robot_memory::RobotMemory;
 use super::tracks::{ObjectSample, Tracks, samples};
@@ -31,6 +31,11 @@ impl Run {
                 .map(|(&first, &inside)| if inside { first } else { 0 })
                 .collect(),
         }
+    }
+
+    /// Rows of metrics so far.
+    pub fn metrics_rows(&self) -> &[MetricsRow] {
+        &self.metrics
     }
 
     /// The movable objects of the target arena over time; the last moment is the present one.

@@ -1,5 +1,7 @@
 //! Movable objects beside the robots of the same moment.
 
+use api::frames::{ObjectState, objects_service};
+use swarm::run::Run;
 use swarm::world::ObjectPose;
 
 use super::*;
@@ -7,6 +9,8 @@ use super::*;
 const BOTH: Extent = Extent {
     robots: 2,
     objects: 3,
+    squares: 0,
+    controllers: 0,
 };
 
 /// Objects whose every value tells the object and the step.
@@ -74,10 +78,12 @@ fn only_a_run_with_objects_has_a_channel_for_them() {
     let root = Root::new();
     let _publisher = FramePublisher::open(&root.settings, "run", robots(1)).unwrap();
     assert!(object_reader(&root).is_none());
-    assert_eq!(describe(&root.settings, "run", robots(1)).unwrap().len(), 1);
-    let channels = describe(&root.settings, "run", BOTH).unwrap();
+    let described =
+        |extent| describe(&root.settings, "run", extent, ChannelSet::default(), None).unwrap();
+    assert!(described(robots(1)).iter().all(|it| it.name != "objects"));
+    let channels = described(BOTH);
     let names: Vec<_> = channels.iter().map(|channel| &channel.name[..]).collect();
-    assert_eq!(names, ["frames", "objects"]);
+    assert_eq!(names[..2], ["frames", "objects"]);
     assert_eq!(channels[1].service, "swarm/run/objects");
     assert_eq!(channels[1].payload, ObjectState::layout());
     assert_eq!(channels[1].header, channels[0].header);

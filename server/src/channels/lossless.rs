@@ -1,0 +1,181 @@
+//! Frames of which none is lost: sent by the run's thread, which waits for readers that lag behind.
+//! A reader that is stopped cannot hold a run: after a time the channel is closed, and the run goes on.
+
+use std::fmt;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use api::channels::run_service;
+use api::frames::{FrameHeader, RobotState};
+use iceoryx2::port::{BackpressureAction, BackpressureInfo};
+use iceoryx2::prelude::*;
+use swarm::run::Run;
+
+use super::extent::Extent;
+use super::frame::{FrameInfo, robot_state};
+use super::port::{Channel, ChannelError, Quality, SendFailure, open_node};
+use super::room;
+use super::set::LosslessSettings;
+
+/// Time between two looks for readers that were killed, while one is waited for.
+const LOOK_FOR_DEAD: Duration = Duration::from_millis(200);
+/// Sleep while a reader is waited for.
+const REST: Duration = Duration::from_micros(200);
+
+/// Whether a port is still a reader.
+type IsReader = Box<dyn Fn(u128) -> bool + Send>;
+
+/// Who waits for a reader that lags behind.
+pub(super) struct Patience {
+    timeout: Duration,
+    stopping: Arc<AtomicBool>,
+    config: Config,
+    looked: Mutex<Instant>,
+    is_reader: IsReader,
+}
+
+impl fmt::Debug for Patience {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter
+            .debug_struct("Patience")
+            .field("timeout", &self.timeout)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Patience {
+    fn new(timeout: Duration, stopping: Arc<AtomicBool>, config: Config) -> Self {
+        Self {
+            timeout,
+            stopping,
+            config,
+            looked: Mutex::new(Instant::now()),
+            is_reader: Box::new(|_| true),
+        }
+    }
+
+    /// By what it knows whether a port is still a reader.
+    pub(super) fn ask_whether(&mut self, is_reader: impl Fn(u128) -> bool + Send + 'static) {
+        self.is_reader = Box::new(is_reader);
+    }
+
+    /// What to do about a reader whose buffer is full. It is asked again until there is room.
+    pub(super) fn decide(&self, info: &BackpressureInfo) -> BackpressureAction {
+        if self.stopping.load(Ordering::Relaxed) || info.elapsed_time >= self.timeout {
+            return BackpressureAction::DiscardDataAndFail;
+        }
+        let mut looked = self.looked.lock().unwrap_or_else(PoisonError::into_inner);
+        if looked.elapsed() >= LOOK_FOR_DEAD {
+            *looked = Instant::now();
+            remove_dead(&self.config);
+            if !(self.is_reader)(info.receiver_port_id) {
+                return BackpressureAction::DiscardData;
+            }
+        }
+        std::thread::sleep(REST);
+        BackpressureAction::Retry
+    }
+}
+
+/// Removes what processes that were killed left behind.
+fn remove_dead(config: &Config) {
+    let listed = Node::<ipc::Service>::list(config, |state| {
+        if let NodeState::Dead(dead) = state
+            && let Err(error) = dead.try_remove_stale_resources()
+        {
+            tracing::debug!(?error, "a killed reader cannot be cleaned up yet");
+        }
+        CallbackProgression::Continue
+    });
+    if let Err(error) = listed {
+        tracing::debug!(?error, "no look for killed readers");
+    }
+}
+
+/// The channel of a run. Fields are dropped in this order.
+pub(super) struct Lossless {
+    channel: Channel<RobotState, FrameHeader>,
+    _node: Node<ipc::Service>,
+    settings: LosslessSettings,
+    stopping: Arc<AtomicBool>,
+    sent: u64,
+    /// Step of the last frame.
+    last: Option<u64>,
+    is_watched: bool,
+}
+
+impl Lossless {
+    /// Opens the channel `swarm/<run>/lossless`.
+    pub(super) fn open(
+        root: &Path,
+        run_id: &str,
+        extent: Extent,
+        settings: LosslessSettings,
+        stopping: &Arc<AtomicBool>,
+    ) -> Result<Self, ChannelError> {
+        room::for_bytes(extent.robots * size_of::<RobotState>())?;
+        let node = open_node(root)?;
+        let timeout = Duration::from_millis(u64::from(settings.timeout_ms));
+        let patience = Patience::new(timeout, Arc::clone(stopping), node.config().clone());
+        let quality = Quality::lossless::<RobotState>(extent.robots, patience)?;
+        let name = run_service(run_id, "lossless");
+        Ok(Self {
+            channel: Channel::open(&node, &name, extent.robots, quality)?,
+            _node: node,
+            settings,
+            stopping: Arc::clone(stopping),
+            sent: 0,
+            last: None,
+            is_watched: false,
+        })
+    }
+
+    /// How it was asked for.
+    pub(super) fn settings(&self) -> LosslessSettings {
+        self.settings
+    }
+
+    /// Waits for the readers that were asked for. Returns whether all came in time, or the run is
+    /// to be let go.
+    pub(super) fn await_readers(&mut self) -> bool {
+        let since = Instant::now();
+        let timeout = Duration::from_millis(u64::from(self.settings.timeout_ms));
+        while self.channel.readers() < self.settings.readers as usize {
+            if self.stopping.load(Ordering::Relaxed) {
+                return true;
+            }
+            if since.elapsed() >= timeout {
+                return false;
+            }
+            std::thread::sleep(REST);
+        }
+        true
+    }
+
+    /// The next step that must be seen.
+    pub(super) fn next_step_wanted(&self, step: u64) -> Option<u64> {
+        let every = u64::from(self.settings.every_steps);
+        self.is_watched.then(|| (step / every + 1) * every)
+    }
+
+    /// Sends the present moment, if it is one of those that were asked for.
+    pub(super) fn offer(&mut self, run: &Run) -> Result<(), SendFailure> {
+        self.is_watched = self.channel.is_watched();
+        let step = run.step();
+        let is_due = step.is_multiple_of(u64::from(self.settings.every_steps));
+        if !self.is_watched || !is_due || self.last == Some(step) {
+            return Ok(());
+        }
+        self.last = Some(step);
+        let robots = run.robots();
+        let mut header = FrameInfo::of(run).header(robots.len());
+        header.sequence = self.sent;
+        self.channel.send_each(header, robots.len(), |number| {
+            robot_state(number, &robots[number])
+        })?;
+        self.sent += 1;
+        Ok(())
+    }
+}
