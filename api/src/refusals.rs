@@ -149,6 +149,7 @@ pub const REFUSED: &[RefusedCase] = &[
     ),
     service("what a cancelled run covered", FindingsNotKept),
     service("cancelling what has ended", AlreadyEnded),
+    service("opening channels of a run that has ended", AlreadyEnded),
     service("resuming or trying again what is done", AlreadyEnded),
     service("trying again a job that has not ended", NotEnded),
     service("stepping a run that is not paused", NotPaused),

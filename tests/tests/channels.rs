@@ -136,7 +136,7 @@ fn a_full_dev_shm_costs_the_channels_and_nothing_else() {
     for (full_kb, out) in [
         (4_096, "full"),
         (4_000, "nearly"),
-        (2_900, "half"),
+        (2_000, "half"),
         (0, "free"),
     ] {
         let done = run(full_kb, out);
@@ -144,7 +144,7 @@ fn a_full_dev_shm_costs_the_channels_and_nothing_else() {
         assert!(done.status.success(), "{out}: {:?} {errors}", done.status);
         assert_eq!(
             errors.contains("/dev/shm has"),
-            full_kb > 2_900,
+            full_kb > 2_000,
             "{out}: {errors}"
         );
     }

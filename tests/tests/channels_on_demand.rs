@@ -349,3 +349,43 @@ fn a_reader_of_another_version_is_refused_with_a_sentence() {
     assert!(sentence.contains("is of another version"), "{sentence}");
     assert_eq!(server.terminate().code(), Some(0));
 }
+
+/// Two servers of one user meet in shared memory. The run is the same in both, so only one can show it.
+#[test]
+fn two_servers_with_the_same_run_do_not_disturb_each_other() {
+    let home = tempfile::tempdir().unwrap();
+    let shared = home.path().to_str().unwrap();
+    let servers = ["first", "second"].map(|name| {
+        let data = home.path().join(name);
+        std::fs::create_dir(&data).unwrap();
+        Server::try_start(&data, &["--threads", "1"], &[("XDG_RUNTIME_DIR", shared)]).unwrap()
+    });
+    let mut spec = endless();
+    spec["channels"] = json!(true);
+    let [first, second] = servers;
+    let posted = first.submit(&job(spec.clone(), 1));
+    let id = first.only_run(&posted).id;
+    wait::until("the first server's channels", || {
+        named(&first, &id, "status").is_open.then_some(())
+    });
+    let posted = second.submit(&job(spec, 1));
+    assert_eq!(second.only_run(&posted).id, id);
+    for name in ["frames", "coverage", "status"] {
+        let why = wait::until("why the second has none", || {
+            named(&second, &id, name).closed_because
+        });
+        assert!(why.contains("another process sends"), "{name}: {why}");
+    }
+    assert_eq!(second.only_run(&posted).state, State::Running);
+    assert!(named(&first, &id, "frames").is_open);
+    assert_eq!(first.terminate().code(), Some(0));
+    wait::until("the second server's channels", || {
+        let open = ["frames", "coverage", "metrics", "status"];
+        open.iter()
+            .all(|name| named(&second, &id, name).is_open)
+            .then_some(())
+    });
+    let frames = FrameReader::open(&root(home.path()), &run_service(&id, "frames")).unwrap();
+    assert!(frames.wait(WAIT).unwrap().is_some());
+    assert_eq!(second.terminate().code(), Some(0));
+}

@@ -17,6 +17,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+import gymnasium
 import numpy as np
 import torch
 from numpy.typing import NDArray
@@ -112,8 +113,6 @@ class Rooms(VecEnv):  # type: ignore[misc]
         each = robots // len(seeds)
         self.worlds = [SwarmVectorEnv(rooms(seed), each, STEPS) for seed in seeds]
         self.memories = [Memory(each) for _ in seeds]
-        import gymnasium
-
         seen = gymnasium.spaces.Box(-1.0, 1.0, (Memory.size,), np.float32)
         acts = gymnasium.spaces.Box(-1.0, 1.0, (2,), np.float32)
         super().__init__(each * len(seeds), seen, acts)
@@ -212,8 +211,7 @@ class Curve(BaseCallback):  # type: ignore[misc]
 def learnt(model: PPO, arena: dict[str, Any], seed: int) -> int:
     """Squares that the policy covers in an episode of one robot."""
     env = SwarmEnv({"arena": arena}, STEPS)
-    draw = torch.manual_seed(seed)
-    del draw
+    torch.manual_seed(seed)
     seen, info = env.reset(seed=seed)
     memory, commands = Memory(1), np.zeros((1, 2), np.float32)
     for step in range(STEPS):
@@ -246,7 +244,7 @@ def levy(arena: dict[str, Any], seed: int) -> int:
 
 def main() -> None:
     options = argparse.ArgumentParser(description=__doc__)
-    options.add_argument("--minutes", type=float, default=10.0)
+    options.add_argument("--minutes", type=float, default=10.0, help="of this process's processor")
     options.add_argument("--robots", type=int, default=48)
     options.add_argument("--seed", type=int, default=1)
     options.add_argument("--threads", type=int, default=1)

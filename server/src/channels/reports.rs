@@ -8,7 +8,7 @@ use api::channels::{
     CHANNELS_VERSION, CoverageHeader, MetricValue, MetricsHeader, RunEvent, RunStatus, STATUS_KEY,
     SquareEntries, run_service,
 };
-use iceoryx2::port::writer::{EntryHandleMut, Writer};
+use iceoryx2::port::writer::{EntryHandleMut, Writer, WriterCreateError};
 use iceoryx2::prelude::*;
 use iceoryx2::service::builder::blackboard::{BlackboardCreateError, BlackboardOpenError};
 use iceoryx2::service::port_factory::blackboard;
@@ -248,7 +248,10 @@ impl Status {
         };
         let failed = |error: &dyn Debug| ChannelError::Writer(format!("{error:?}"));
         let writer = service.writer_builder().create();
-        let writer = writer.map_err(|error| failed(&error))?;
+        let writer = writer.map_err(|error| match error {
+            WriterCreateError::ExceedsMaxSupportedWriters => ChannelError::Taken,
+            error => failed(&error),
+        })?;
         let entry = writer.entry::<RunStatus>(&STATUS_KEY);
         Ok(Self {
             entry: entry.map_err(|error| failed(&error))?,

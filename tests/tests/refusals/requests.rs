@@ -287,6 +287,12 @@ fn what_contradicts_the_state_of_things_is_refused() {
     server
         .send("POST", &format!("/v1/runs/{run}/cancel"), &[], b"")
         .refused("cancelling what has ended");
+    server
+        .post(
+            &format!("/v1/runs/{run}/channels"),
+            &json!({ "frames": true }),
+        )
+        .refused("opening channels of a run that has ended");
     let cancel = format!("/v1/jobs/{}/cancel", running.id);
     assert_eq!(server.send("POST", &cancel, &[], b"").status, 200);
     let run = server.only_run(&running).id;
