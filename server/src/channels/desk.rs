@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::set::ChannelSet;
 
-/// Most runs with channels that were asked for over HTTP: each has some twenty descriptors.
+/// Most runs with channels that were asked for over HTTP: each has some forty descriptors while it is stepped.
 pub const MAX_ASKED_RUNS: usize = 32;
 
 /// What became of a channel.

@@ -16,8 +16,10 @@ const MAX_CONNECTIONS: usize = 1_024;
 const MIN_CONNECTIONS: usize = 16;
 /// Share of all that one address may have, so that one client leaves room for others.
 const ADDRESS_SHARE: usize = 2;
-/// Descriptors for database, checkpoints, shared memory, logs and libraries.
+/// Descriptors for database, checkpoints, logs and libraries.
 const KEPT_BACK: u64 = 256;
+/// Descriptors of a run that is stepped: all of its channels, which have 44.
+const KEPT_BACK_A_RUN: u64 = 50;
 /// Longest time between the first byte of a request's head and its last, and from the opening of a
 /// connection to the first byte.
 const HEAD_TIME: Duration = Duration::from_secs(10);
@@ -138,9 +140,10 @@ impl Drop for Place {
 }
 
 impl Connections {
-    /// As many as the process's descriptors allow; raises their number as far as it may.
-    pub fn new() -> Self {
-        Self::with_most(most_connections(raise_descriptors()))
+    /// As many as the process's descriptors allow where so many runs are stepped at once; raises
+    /// their number as far as it may.
+    pub fn beside(runs: usize) -> Self {
+        Self::with_most(most_connections(raise_descriptors(), runs as u64))
     }
 
     fn with_most(most: usize) -> Self {
@@ -202,8 +205,9 @@ fn raise_descriptors() -> u64 {
     getrlimit(Resource::Nofile).current.unwrap_or(u64::MAX)
 }
 
-fn most_connections(descriptors: u64) -> usize {
-    let left = usize::try_from(descriptors.saturating_sub(KEPT_BACK)).unwrap_or(usize::MAX);
+fn most_connections(descriptors: u64, runs: u64) -> usize {
+    let kept_back = KEPT_BACK.saturating_add(KEPT_BACK_A_RUN.saturating_mul(runs));
+    let left = usize::try_from(descriptors.saturating_sub(kept_back)).unwrap_or(usize::MAX);
     left.clamp(MIN_CONNECTIONS, MAX_CONNECTIONS)
 }
 
@@ -274,8 +278,8 @@ mod tests {
 
     #[test]
     fn descriptors_are_kept_back() {
-        assert_eq!(most_connections(1_000_000), MAX_CONNECTIONS);
-        assert_eq!(most_connections(1_024), 768);
-        assert_eq!(most_connections(64), MIN_CONNECTIONS);
+        assert_eq!(most_connections(1_000_000, 100), MAX_CONNECTIONS);
+        assert_eq!(most_connections(1_024, 2), 668);
+        assert_eq!(most_connections(64, 1), MIN_CONNECTIONS);
     }
 }

@@ -32,9 +32,15 @@ const MAX_BUFFER_BYTES: usize = 64 << 10;
 const NO_PLACE: &[u8] =
     b"HTTP/1.1 503 Service Unavailable\r\nretry-after: 1\r\ncontent-length: 0\r\nconnection: close\r\n\r\n";
 
-/// Serves until the signal comes, then until open requests have ended.
-pub async fn listen(listener: TcpListener, routes: Router, stop: impl Future<Output = ()>) {
-    let connections = Arc::new(Connections::new());
+/// Serves until the signal comes, then until open requests have ended; beside so many runs that are
+/// stepped at once.
+pub async fn listen(
+    listener: TcpListener,
+    routes: Router,
+    runs: usize,
+    stop: impl Future<Output = ()>,
+) {
+    let connections = Arc::new(Connections::beside(runs));
     let (stopping, stopped) = watch::channel(());
     // Closed when the last connection has ended.
     let (open, mut all_ended) = mpsc::channel::<Infallible>(1);

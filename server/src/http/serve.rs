@@ -111,7 +111,8 @@ pub fn serve(options: ServeOptions) -> anyhow::Result<()> {
                 tokio::task::spawn_blocking(move || scheduler.shut_down()).await
             }
         });
-        run(listener, routes, stop.asked(), options.drain).await;
+        let runs = workers.get();
+        run((listener, routes), runs, stop.asked(), options.drain).await;
         parked
             .await
             .and_then(|parked| parked)
@@ -158,13 +159,13 @@ fn tokens(options: &ServeOptions) -> anyhow::Result<Tokens> {
 
 /// Serves until the signal comes, and a little longer for requests that are under way.
 async fn run(
-    listener: TcpListener,
-    routes: axum::Router,
+    (listener, routes): (TcpListener, axum::Router),
+    runs: usize,
     stop: impl Future<Output = ()> + Send + 'static,
     drain: Duration,
 ) {
     let (stopping, stopped) = tokio::sync::oneshot::channel::<()>();
-    let server = listen(listener, routes, async move {
+    let server = listen(listener, routes, runs, async move {
         stop.await;
         tracing::info!("stopping: runs are checkpointed");
         #[allow(
