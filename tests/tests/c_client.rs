@@ -42,7 +42,7 @@ fn compiled(home: &Path, name: &str) -> PathBuf {
 fn spec(method: Value) -> Value {
     json!({
         "arena": { "from": "easy", "tile": [2, 2] }, "robots": 7, "placement": "grid", "seed": 5,
-        "controller": method, "epochs": 20, "steps_per_epoch": 200, "channels": true,
+        "controller": method, "epochs": 150, "steps_per_epoch": 200, "channels": true,
     })
 }
 
@@ -99,6 +99,10 @@ fn a_controller_in_c_that_is_killed_and_started_again_gives_the_bits_of_the_one_
         let doomed = steering(home, &braitenberg, "outside");
         std::thread::sleep(Duration::from_millis(milliseconds));
         end(doomed);
+        assert!(
+            outside.try_wait().unwrap().is_none(),
+            "it was killed on the way"
+        );
     }
     let last = steering(home, &braitenberg, "outside");
     assert!(wait::for_exit(&mut outside).success());

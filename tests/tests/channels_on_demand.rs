@@ -304,6 +304,7 @@ fn a_killed_reader_of_lossless_frames_is_not_waited_for() {
             doomed.wait().unwrap();
         }
     }
+    doomed.wait().unwrap();
     assert_eq!(steps, 601, "the other reader got every frame");
     held.server.wait_for(&held.posted);
 }

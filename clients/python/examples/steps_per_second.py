@@ -42,32 +42,19 @@ def evswarm(robots: int) -> Callable[[], Any]:
     return step
 
 
-def vmas(scenario: str, **more: Any) -> Callable[[int], Callable[[], Any]]:
-    """Agents of a scenario of VMAS in one environment."""
-
-    def made(robots: int) -> Callable[[], Any]:
-        import torch
-        from vmas import make_env
-
-        torch.set_num_threads(1)
-        env = make_env(scenario, num_envs=1, n_agents=robots, device="cpu", max_steps=None, **more)
-        env.reset()
-        draw = torch.Generator().manual_seed(1)
-        actions = [torch.rand((1, 2), generator=draw) * 2 - 1 for _ in range(robots)]
-        return lambda: env.step(actions)
-
-    return made
-
-
-def vmas_environments(robots: int) -> Callable[[], Any]:
-    """As many environments of VMAS with an agent each, in one tensor: what it is made for."""
+def vmas(worlds: int, agents: int) -> Callable[[], Any]:
+    """So many worlds of VMAS with so many agents each, which have a lidar: scenario navigation."""
     import torch
     from vmas import make_env
 
     torch.set_num_threads(1)
-    env = make_env("navigation", num_envs=robots, n_agents=1, device="cpu", max_steps=None)
+    side = max(1.0, 0.35 * agents**0.5)
+    sides = {"world_spawning_x": side, "world_spawning_y": side}
+    env = make_env(
+        "navigation", num_envs=worlds, n_agents=agents, device="cpu", max_steps=None, **sides
+    )
     env.reset()
-    actions = [torch.rand((robots, 2)) * 2 - 1]
+    actions = [torch.rand((worlds, 2)) * 2 - 1 for _ in range(agents)]
     return lambda: env.step(actions)
 
 
@@ -81,8 +68,8 @@ def plain(robots: int) -> Callable[[], Any]:
 
 WAYS: dict[str, tuple[Callable[[int], Callable[[], Any]], int]] = {
     "evswarm, robots in one arena": (evswarm, 10_000),
-    "VMAS navigation, agents in one world, lidar": (vmas("navigation"), 100),
-    "VMAS, environments with one agent each, lidar": (vmas_environments, 10_000),
+    "VMAS, agents in one world": (lambda robots: vmas(1, robots), 100),
+    "VMAS, a world for each agent": (lambda robots: vmas(robots, 1), 10_000),
     "Gymnasium loop, Pendulum": (plain, 10_000),
 }
 """Ways, and the most robots that each is tried with."""

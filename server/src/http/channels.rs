@@ -119,13 +119,15 @@ async fn close(State(app): State<App>, FoundRun(run): FoundRun) -> Result<Status
 
 fn described(app: &App, run: &RunView) -> Result<Json<Vec<ChannelDescription>>, Refusal> {
     let spec = app.findings.resolved(run)?;
-    let desk = app.scheduler.desks().find(&run.id);
+    // What was asked of a run that has ended is not worth telling.
+    let is_under_way = !run.state.state().is_final();
+    let desk = is_under_way.then(|| app.scheduler.desks().find(&run.id));
     let channels = describe(
         app.scheduler.channels(),
         &run.id,
         Extent::of(&spec.run_spec()),
         ChannelSet::of_spec(spec.channels()),
-        desk.as_deref(),
+        desk.flatten().as_deref(),
     );
     Ok(Json(channels.map_err(|error| Refusal::internal(&error))?))
 }
