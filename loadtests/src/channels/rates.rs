@@ -13,8 +13,8 @@ use server::channels::{ChannelSet, ChannelSettings, Desk, Extent, RunChannels};
 use server::runner;
 use swarm::run::Run;
 
+use super::options::{Options, spec};
 use super::others::Other;
-use super::{Options, spec};
 use crate::measure::quantile;
 
 /// A way to run.

@@ -11,8 +11,8 @@ use serde_json::json;
 use server::channels::External;
 use swarm::run::Run;
 
+use super::options::{Options, spec};
 use super::others::Other;
-use super::{Options, spec};
 use crate::measure::quantile;
 
 /// A Braitenberg vehicle for all robots at once.

@@ -15,11 +15,11 @@ use api::frames::{
     frames_service, objects_service, transport_config,
 };
 
-use super::ChannelSettings;
 use super::desk::{Desk, Fate};
 use super::extent::Extent;
 use super::port::{HISTORY, MAX_SUBSCRIBERS, subscriber_buffer};
 use super::set::ChannelSet;
+use super::settings::ChannelSettings;
 
 /// Every channel that a run has or may have, in a fixed order. Those whose samples are too large for
 /// a channel are left out.

@@ -1,98 +1,25 @@
 //! Frames of which none is lost: sent by the run's thread, which waits for readers that lag behind.
 //! A reader that is stopped cannot hold a run: after a time the channel is closed, and the run goes on.
 
-use std::fmt;
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use api::channels::run_service;
 use api::frames::{FrameHeader, RobotState};
-use iceoryx2::port::{BackpressureAction, BackpressureInfo};
 use iceoryx2::prelude::*;
 use swarm::run::Run;
 
 use super::extent::Extent;
 use super::frame::{FrameInfo, robot_state};
+use super::patience::Patience;
 use super::port::{Channel, ChannelError, Quality, SendFailure, open_node};
 use super::room;
 use super::set::LosslessSettings;
 
-/// Time between two looks for readers that were killed, while one is waited for.
-const LOOK_FOR_DEAD: Duration = Duration::from_millis(200);
-/// Sleep while a reader is waited for.
+/// Time between two looks for the readers that are waited for.
 const REST: Duration = Duration::from_micros(200);
-
-/// Whether a port is still a reader.
-type IsReader = Box<dyn Fn(u128) -> bool + Send>;
-
-/// Who waits for a reader that lags behind.
-pub(super) struct Patience {
-    timeout: Duration,
-    stopping: Arc<AtomicBool>,
-    config: Config,
-    looked: Mutex<Instant>,
-    is_reader: IsReader,
-}
-
-impl fmt::Debug for Patience {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter
-            .debug_struct("Patience")
-            .field("timeout", &self.timeout)
-            .finish_non_exhaustive()
-    }
-}
-
-impl Patience {
-    fn new(timeout: Duration, stopping: Arc<AtomicBool>, config: Config) -> Self {
-        Self {
-            timeout,
-            stopping,
-            config,
-            looked: Mutex::new(Instant::now()),
-            is_reader: Box::new(|_| true),
-        }
-    }
-
-    /// By what it knows whether a port is still a reader.
-    pub(super) fn ask_whether(&mut self, is_reader: impl Fn(u128) -> bool + Send + 'static) {
-        self.is_reader = Box::new(is_reader);
-    }
-
-    /// What to do about a reader whose buffer is full. It is asked again until there is room.
-    pub(super) fn decide(&self, info: &BackpressureInfo) -> BackpressureAction {
-        if self.stopping.load(Ordering::Relaxed) || info.elapsed_time >= self.timeout {
-            return BackpressureAction::DiscardDataAndFail;
-        }
-        let mut looked = self.looked.lock().unwrap_or_else(PoisonError::into_inner);
-        if looked.elapsed() >= LOOK_FOR_DEAD {
-            *looked = Instant::now();
-            remove_dead(&self.config);
-            if !(self.is_reader)(info.receiver_port_id) {
-                return BackpressureAction::DiscardData;
-            }
-        }
-        std::thread::sleep(REST);
-        BackpressureAction::Retry
-    }
-}
-
-/// Removes what processes that were killed left behind.
-fn remove_dead(config: &Config) {
-    let listed = Node::<ipc::Service>::list(config, |state| {
-        if let NodeState::Dead(dead) = state
-            && let Err(error) = dead.try_remove_stale_resources()
-        {
-            tracing::debug!(?error, "a killed reader cannot be cleaned up yet");
-        }
-        CallbackProgression::Continue
-    });
-    if let Err(error) = listed {
-        tracing::debug!(?error, "no look for killed readers");
-    }
-}
 
 /// The channel of a run. Fields are dropped in this order.
 pub(super) struct Lossless {

@@ -8,7 +8,6 @@ use std::time::{Duration, Instant};
 use iceoryx2::prelude::{Node, ipc};
 use swarm::run::{Progress, Run};
 
-use super::ChannelSettings;
 use super::desk::{Desk, Fate};
 use super::extent::Extent;
 use super::lossless::Lossless;
@@ -16,6 +15,7 @@ use super::port::{ChannelError, SendFailure, open_node};
 use super::publisher::FramePublisher;
 use super::reports::{Coverage, Metrics, Status};
 use super::set::ChannelSet;
+use super::settings::ChannelSettings;
 use crate::runner::{Ended, Observer, Stop};
 
 /// Time after which a channel that could not be opened is tried again.

@@ -16,7 +16,7 @@ use iceoryx2::service::builder::publish_subscribe::PublishSubscribeOpenOrCreateE
 use iceoryx2::service::port_factory::PortFactory as _;
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 
-use super::lossless::Patience;
+use super::patience::Patience;
 use super::room::{self, NoRoom};
 
 /// Most readers of one channel at once.

@@ -8,11 +8,11 @@ use std::time::{Duration, Instant};
 use swarm::run::Run;
 use swarm::world::{Bodies, Objects};
 
-use super::ChannelSettings;
 use super::extent::Extent;
 use super::frame::{FrameInfo, fill};
 use super::port::ChannelError;
 use super::ports::Ports;
+use super::settings::ChannelSettings;
 use super::slot::Slot;
 
 /// Time between two frames that nobody reads; they are what a new reader sees at once.
