@@ -32,6 +32,8 @@ use crate::frames::{FrameHeader, ObjectState, RobotState};
 
 /// Time between two looks for a sample or a channel.
 const LOOK: Duration = Duration::from_millis(1);
+/// Longest time between the making of a channel and its sender.
+const SENDER_COMES: Duration = Duration::from_secs(2);
 /// Time between two looks whether the sender was killed.
 const CLEAN_UP_EVERY: Duration = Duration::from_secs(1);
 
@@ -64,6 +66,8 @@ where
     service: publish_subscribe::PortFactory<ipc::Service, [T], H>,
     node: Node<ipc::Service>,
     cleaned: Cell<Instant>,
+    opened: Instant,
+    has_had_sender: Cell<bool>,
 }
 
 /// Reads frames; of the service `frames` the latest, of `lossless` all.
@@ -113,6 +117,8 @@ where
             service: factory,
             node,
             cleaned: Cell::new(Instant::now()),
+            opened: Instant::now(),
+            has_had_sender: Cell::new(false),
         })
     }
 
@@ -164,7 +170,12 @@ where
             self.node.try_cleanup_dead_nodes();
             self.cleaned.set(Instant::now());
         }
-        self.service.dynamic_config().number_of_publishers() == 0
+        // A channel exists a moment before its sender does: that is not its end.
+        let is_sent = self.service.dynamic_config().number_of_publishers() > 0;
+        let has_had_sender = self
+            .has_had_sender
+            .replace(is_sent || self.has_had_sender.get());
+        !is_sent && (has_had_sender || self.opened.elapsed() >= SENDER_COMES)
     }
 }
 
