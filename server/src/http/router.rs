@@ -24,8 +24,7 @@ use super::routes::Routes;
 use super::{
     arenas, asked_recordings, catalog, channels, checkpoints, checks, comparison, compression,
     conditional, contract, control, events, explain, exports, files, health, job_findings, jobs,
-    learning,
-    openapi, page, problems, recordings, runs, scrape, watching, workers,
+    learning, openapi, page, problems, recordings, runs, scrape, watching, workers,
 };
 
 /// Every route, and what each does.
