@@ -36,7 +36,9 @@ TRAINING_ROOMS = (11, 12, 13, 14)
 TEST_ROOMS = (1, 2, 3)
 TEST_SEEDS = 10
 
-# The robot: radius of its wheels, distance between them, top speed and acceleration, control step.
+# A robot whose wheels do not slip, so that it can reckon where it is.
+ROBOT = {"preset": "stepwise"}
+# Of it: radius of its wheels, distance between them, top speed and acceleration, control step.
 WHEEL_M, AXLE_M, TOP_RAD_S, ACCELERATION_RAD_S2, STEP_S = 0.0205, 0.052, 6.28, 10.0, 0.064
 
 CELL_M = 0.012
@@ -111,7 +113,7 @@ class Rooms(VecEnv):  # type: ignore[misc]
 
     def __init__(self, seeds: tuple[int, ...], robots: int) -> None:
         each = robots // len(seeds)
-        self.worlds = [SwarmVectorEnv(rooms(seed), each, STEPS) for seed in seeds]
+        self.worlds = [SwarmVectorEnv(rooms(seed), each, STEPS, robot=ROBOT) for seed in seeds]
         self.memories = [Memory(each) for _ in seeds]
         seen = gymnasium.spaces.Box(-1.0, 1.0, (Memory.size,), np.float32)
         acts = gymnasium.spaces.Box(-1.0, 1.0, (2,), np.float32)
@@ -210,7 +212,7 @@ class Curve(BaseCallback):  # type: ignore[misc]
 
 def learnt(model: PPO, arena: dict[str, Any], seed: int) -> int:
     """Squares that the policy covers in an episode of one robot."""
-    env = SwarmEnv({"arena": arena}, STEPS)
+    env = SwarmEnv({"arena": arena, "robot": ROBOT}, STEPS)
     torch.manual_seed(seed)
     seen, info = env.reset(seed=seed)
     memory, commands = Memory(1), np.zeros((1, 2), np.float32)
@@ -229,6 +231,7 @@ def levy(arena: dict[str, Any], seed: int) -> int:
     """Squares that the built-in Levy walk covers in as many steps."""
     spec = {
         "arena": arena,
+        "robot": ROBOT,
         "controller": {"method": "levy"},
         "epochs": 1,
         "steps_per_epoch": STEPS,
