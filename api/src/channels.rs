@@ -167,13 +167,16 @@ pub struct AskedChannels {
 pub struct AskedLossless {
     /// A frame of each step whose number this divides (1 to 1,000,000; 1 where it is absent).
     #[serde(default)]
+    #[schemars(range(min = 1, max = 1_000_000))]
     pub every_steps: Option<u32>,
     /// Longest time that the run waits for a reader before the channel is closed, in milliseconds
-    /// (1 to 600,000; 5,000 where it is absent).
+    /// (1 to 60,000; 5,000 where it is absent).
     #[serde(default)]
+    #[schemars(range(min = 1, max = 60_000))]
     pub timeout_ms: Option<u32>,
     /// Readers that the run waits for before the first frame (0 to 8; 0 where it is absent).
     #[serde(default)]
+    #[schemars(range(max = 8))]
     pub readers: Option<u32>,
 }
 

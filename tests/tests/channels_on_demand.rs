@@ -311,7 +311,7 @@ fn a_killed_reader_of_lossless_frames_is_not_waited_for() {
 
 #[test]
 fn a_run_that_waits_for_a_reader_can_be_paused() {
-    let held = Held::new(json!({ "readers": 1, "timeout_ms": 600_000 }));
+    let held = Held::new(json!({ "readers": 1, "timeout_ms": 60_000 }));
     held.begin();
     let _reader = held.reader();
     wait::until("the run", || {
@@ -326,6 +326,43 @@ fn a_run_that_waits_for_a_reader_can_be_paused() {
     });
     assert_eq!(held.server.only_run(&held.posted).state, State::Paused);
     assert_eq!(held.server.terminate().code(), Some(0));
+}
+
+#[test]
+fn a_run_that_waits_for_a_reader_goes_on_when_the_channel_is_taken_back() {
+    let held = Held::new(json!({ "readers": 1, "timeout_ms": 60_000 }));
+    held.begin();
+    let _reader_of_two = held.reader();
+    ask(
+        &held.server,
+        &held.id,
+        json!({ "lossless": { "readers": 2, "timeout_ms": 60_000 } }),
+    );
+    std::thread::sleep(Duration::from_millis(300));
+    let route = format!("/v1/runs/{}/channels", held.id);
+    assert_eq!(held.server.send("DELETE", &route, &[], b"").status, 204);
+    held.server.wait_for(&held.posted);
+}
+
+#[test]
+fn channels_open_again_however_often_they_were_taken_back() {
+    let home = tempfile::tempdir().unwrap();
+    let server = Server::start(home.path());
+    let posted = server.submit(&job(endless(), 1));
+    let id = server.only_run(&posted).id;
+    let route = format!("/v1/runs/{id}/channels");
+    for _ in 0..3 {
+        ask(&server, &id, json!({ "status": true }));
+        wait::until("the channel", || {
+            named(&server, &id, "status").is_open.then_some(())
+        });
+        for _ in 0..2 {
+            assert_eq!(server.send("DELETE", &route, &[], b"").status, 204);
+            wait::until("its end", || {
+                (!named(&server, &id, "status").is_open).then_some(())
+            });
+        }
+    }
 }
 
 #[test]

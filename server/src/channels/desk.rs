@@ -3,13 +3,14 @@
 //! on it.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::set::ChannelSet;
 
-/// Most runs with channels that were asked for over HTTP: each has some forty descriptors while it is stepped.
-pub const MAX_ASKED_RUNS: usize = 32;
+/// Most runs with channels that were asked for over HTTP. Only those that a worker has take room:
+/// some forty descriptors each.
+pub const MAX_ASKED_RUNS: usize = 256;
 
 /// What became of a channel.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -26,6 +27,8 @@ pub struct Desk {
     asked: Mutex<ChannelSet>,
     changes: AtomicU64,
     fates: Mutex<BTreeMap<&'static str, Fate>>,
+    /// A worker looks at it, and at no other of the run.
+    is_held: AtomicBool,
 }
 
 impl Desk {
@@ -75,7 +78,10 @@ pub struct TooMany;
 impl Desks {
     /// The desk of a run that a worker takes up.
     pub fn open(&self, run_id: &str) -> Arc<Desk> {
-        Arc::clone(lock(&self.0).entry(run_id.to_owned()).or_default())
+        let mut desks = lock(&self.0);
+        let desk = desks.entry(run_id.to_owned()).or_default();
+        desk.is_held.store(true, Ordering::Relaxed);
+        Arc::clone(desk)
     }
 
     /// The desk of a run, where it has one.
@@ -88,6 +94,7 @@ impl Desks {
         let mut desks = lock(&self.0);
         if let Some(desk) = desks.get(run_id) {
             desk.close_all();
+            desk.is_held.store(false, Ordering::Relaxed);
             if !goes_on || desk.asked().is_empty() {
                 desks.remove(run_id);
             }
@@ -107,7 +114,7 @@ impl Desks {
         }
         let desk = Arc::clone(desks.entry(run_id.to_owned()).or_default());
         desk.ask(set);
-        if set.is_empty() && desk.fates().is_empty() {
+        if set.is_empty() && !desk.is_held.load(Ordering::Relaxed) {
             desks.remove(run_id);
         }
         Ok(desk)
@@ -159,6 +166,21 @@ mod tests {
         desks.open("b");
         desks.leave("b", true);
         assert!(desks.find("b").is_none(), "nothing was asked of it");
+    }
+
+    #[test]
+    fn a_desk_that_a_worker_looks_at_stays_when_nothing_is_asked_for() {
+        let desks = Desks::default();
+        let desk = desks.open("a");
+        desks.ask("a", COVERAGE).unwrap();
+        for _ in 0..2 {
+            desks.ask("a", ChannelSet::default()).unwrap();
+        }
+        desks.ask("a", COVERAGE).unwrap();
+        assert_eq!(desk.asked(), COVERAGE);
+        desks.ask("a", ChannelSet::default()).unwrap();
+        desks.leave("a", true);
+        assert!(desks.find("a").is_none());
     }
 
     #[test]

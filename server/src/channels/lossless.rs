@@ -2,8 +2,6 @@
 //! A reader that is stopped cannot hold a run: after a time the channel is closed, and the run goes on.
 
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use api::channels::run_service;
@@ -13,7 +11,7 @@ use swarm::run::Run;
 
 use super::extent::Extent;
 use super::frame::{FrameInfo, robot_state};
-use super::patience::Patience;
+use super::patience::{Patience, Wanted};
 use super::port::{Channel, ChannelError, Quality, SendFailure, open_node};
 use super::room;
 use super::set::LosslessSettings;
@@ -26,7 +24,7 @@ pub(super) struct Lossless {
     channel: Channel<RobotState, FrameHeader>,
     _node: Node<ipc::Service>,
     settings: LosslessSettings,
-    stopping: Arc<AtomicBool>,
+    wanted: Wanted,
     sent: u64,
     /// Step of the last frame.
     last: Option<u64>,
@@ -40,19 +38,19 @@ impl Lossless {
         run_id: &str,
         extent: Extent,
         settings: LosslessSettings,
-        stopping: &Arc<AtomicBool>,
+        wanted: Wanted,
     ) -> Result<Self, ChannelError> {
         room::for_bytes(extent.robots * size_of::<RobotState>())?;
         let node = open_node(root)?;
         let timeout = Duration::from_millis(u64::from(settings.timeout_ms));
-        let patience = Patience::new(timeout, Arc::clone(stopping), node.config().clone());
+        let patience = Patience::new(timeout, wanted.clone(), node.config().clone());
         let quality = Quality::lossless::<RobotState>(extent.robots, patience)?;
         let name = run_service(run_id, "lossless");
         Ok(Self {
             channel: Channel::open(&node, &name, extent.robots, quality)?,
             _node: node,
             settings,
-            stopping: Arc::clone(stopping),
+            wanted,
             sent: 0,
             last: None,
             is_watched: false,
@@ -64,13 +62,18 @@ impl Lossless {
         self.settings
     }
 
-    /// Waits for the readers that were asked for. Returns whether all came in time, or the run is
-    /// to be let go.
+    /// Whether it is still asked for, and the run not to be let go.
+    pub(super) fn is_wanted(&self) -> bool {
+        self.wanted.is_so()
+    }
+
+    /// Waits for the readers that were asked for. Returns whether all came in time, or are not
+    /// wanted any more.
     pub(super) fn await_readers(&mut self) -> bool {
         let since = Instant::now();
         let timeout = Duration::from_millis(u64::from(self.settings.timeout_ms));
         while self.channel.readers() < self.settings.readers as usize {
-            if self.stopping.load(Ordering::Relaxed) {
+            if !self.wanted.is_so() {
                 return true;
             }
             if since.elapsed() >= timeout {

@@ -11,6 +11,7 @@ use swarm::run::{Progress, Run};
 use super::desk::{Desk, Fate};
 use super::extent::Extent;
 use super::lossless::Lossless;
+use super::patience::Wanted;
 use super::port::{ChannelError, SendFailure, open_node};
 use super::publisher::FramePublisher;
 use super::reports::{Coverage, Metrics, Status};
@@ -115,8 +116,9 @@ impl RunChannels {
         if is_other && is_asked_anew {
             self.lossless = None;
             if let Some(settings) = wanted.lossless {
-                let (root, stopping) = (&self.settings.root, &self.stopping);
-                let opened = Lossless::open(root, &self.run_id, self.extent, settings, stopping);
+                let asked = Wanted::new(&self.stopping, &self.desk, settings);
+                let root = &self.settings.root;
+                let opened = Lossless::open(root, &self.run_id, self.extent, settings, asked);
                 self.lossless = self.told(&["lossless"], opened);
                 self.await_readers();
             }
@@ -199,8 +201,8 @@ impl RunChannels {
         let timeout_ms = lossless.settings().timeout_ms;
         match lossless.offer(run) {
             Ok(()) => {}
-            // The run is let go, and the channel with it.
-            Err(_) if self.stopping.load(std::sync::atomic::Ordering::Relaxed) => {}
+            // It will be closed.
+            Err(_) if !lossless.is_wanted() => {}
             Err(SendFailure::Send(_)) => self.close_lossless(&format!(
                 "a reader took no frame for {timeout_ms} ms (step {})",
                 run.step()

@@ -1,5 +1,5 @@
 //! What is done about a reader of lossless frames that lags behind: it is waited for, unless it was
-//! killed, the run is to be let go, or the time is over.
+//! killed, the run is to be let go, the channel is not wanted any more, or the time is over.
 
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,10 +9,40 @@ use std::time::{Duration, Instant};
 use iceoryx2::port::{BackpressureAction, BackpressureInfo};
 use iceoryx2::prelude::*;
 
+use super::desk::Desk;
+use super::set::LosslessSettings;
+
 /// Time between two looks for readers that were killed, while one is waited for.
 const LOOK_FOR_DEAD: Duration = Duration::from_millis(200);
 /// Sleep while a reader is waited for.
 const REST: Duration = Duration::from_micros(200);
+
+/// Whether to go on waiting for readers of a lossless channel.
+#[derive(Clone)]
+pub(super) struct Wanted {
+    stopping: Arc<AtomicBool>,
+    desk: Arc<Desk>,
+    settings: LosslessSettings,
+}
+
+impl Wanted {
+    /// As long as the channel is asked for like this, and the run is not to be let go.
+    pub(super) fn new(
+        stopping: &Arc<AtomicBool>,
+        desk: &Arc<Desk>,
+        settings: LosslessSettings,
+    ) -> Self {
+        Self {
+            stopping: Arc::clone(stopping),
+            desk: Arc::clone(desk),
+            settings,
+        }
+    }
+
+    pub(super) fn is_so(&self) -> bool {
+        !self.stopping.load(Ordering::Relaxed) && self.desk.asked().lossless == Some(self.settings)
+    }
+}
 
 /// Whether a port is still a reader.
 type IsReader = Box<dyn Fn(u128) -> bool + Send>;
@@ -20,7 +50,7 @@ type IsReader = Box<dyn Fn(u128) -> bool + Send>;
 /// Who waits for a reader that lags behind.
 pub(super) struct Patience {
     timeout: Duration,
-    stopping: Arc<AtomicBool>,
+    wanted: Wanted,
     config: Config,
     looked: Mutex<Instant>,
     is_reader: IsReader,
@@ -36,11 +66,11 @@ impl fmt::Debug for Patience {
 }
 
 impl Patience {
-    /// Waits for so long, until `stopping` says that the run is to be let go.
-    pub(super) fn new(timeout: Duration, stopping: Arc<AtomicBool>, config: Config) -> Self {
+    /// Waits for so long, while the channel is wanted.
+    pub(super) fn new(timeout: Duration, wanted: Wanted, config: Config) -> Self {
         Self {
             timeout,
-            stopping,
+            wanted,
             config,
             looked: Mutex::new(Instant::now()),
             is_reader: Box::new(|_| true),
@@ -54,7 +84,7 @@ impl Patience {
 
     /// What to do about a reader whose buffer is full. It is asked again until there is room.
     pub(super) fn decide(&self, info: &BackpressureInfo) -> BackpressureAction {
-        if self.stopping.load(Ordering::Relaxed) || info.elapsed_time >= self.timeout {
+        if !self.wanted.is_so() || info.elapsed_time >= self.timeout {
             return BackpressureAction::DiscardDataAndFail;
         }
         let mut looked = self.looked.lock().unwrap_or_else(PoisonError::into_inner);

@@ -58,6 +58,7 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     }
     // Refused before anything is written.
     swarm::run::check_placement(&spec.run_spec()).map_err(|error| wrong(vec![error]))?;
+    let answers = answers(&spec, arguments)?;
     let checkpoint = Arc::new(Checkpoint::open(out, spec.key())?);
     // Another process may have finished between the look above and the lock.
     if already_complete(out, &spec)? {
@@ -80,7 +81,10 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let channels = channels(&spec);
     let most = arguments.run_memory_bytes;
     let most = most.unwrap_or_else(|| runner::default_run_memory_bytes(NonZeroUsize::MIN));
-    let mut pilot = pilot(&spec, arguments, &stop)?;
+    let mut pilot: Option<Box<dyn Pilot + '_>> = match answers {
+        Some(answers) => Some(Box::new(answers)),
+        None => patient(&spec, arguments, &stop)?,
+    };
     let Some(outcome) = finish(
         &mut work,
         pilot.as_mut().map(|pilot| &mut **pilot as &mut dyn Pilot),
@@ -309,22 +313,30 @@ fn finish(
     }
 }
 
-/// Who steers a run whose robots do not steer themselves.
-fn pilot<'a>(
+/// Programs that steer a run whose robots do not steer themselves.
+fn patient<'a>(
     spec: &ResolvedRun,
     arguments: &RunArguments,
     stop: &'a Stop,
 ) -> anyhow::Result<Option<Box<dyn Pilot + 'a>>> {
+    let patient = Patient::open(spec, arguments.external_name.as_deref(), stop)?;
+    Ok(patient.map(|patient| Box::new(patient) as _))
+}
+
+/// The recording that steers a run in place of programs.
+fn answers(
+    spec: &ResolvedRun,
+    arguments: &RunArguments,
+) -> anyhow::Result<Option<recording::Answers>> {
     let Some(path) = &arguments.answers else {
-        let patient = Patient::open(spec, arguments.external_name.as_deref(), stop)?;
-        return Ok(patient.map(|patient| Box::new(patient) as _));
+        return Ok(None);
     };
     if spec.method() != Method::External {
         bail!("--answers is for runs with the method external");
     }
     let answers = recording::Answers::open(path, spec);
     let answers = answers.with_context(|| format!("{} cannot steer the run", path.display()))?;
-    Ok(Some(Box::new(answers)))
+    Ok(Some(answers))
 }
 
 /// Waits for the programs that steer a run for as long as it takes.

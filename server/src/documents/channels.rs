@@ -16,7 +16,7 @@ const EVERY_STEPS: Whole = Whole {
 const TIMEOUT_MS: Whole = Whole {
     name: "timeout_ms",
     min: 1,
-    max: 600_000,
+    max: 60_000,
     default: 5_000,
 };
 const READERS: Whole = Whole {

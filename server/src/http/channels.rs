@@ -50,7 +50,7 @@ pub fn routes() -> Routes {
                 "In place of what was asked for before; those of the spec stay. It takes effect \
                      within a second, or when a worker takes up the run, and changes neither spec \
                      nor results. What was asked for is forgotten when the run ends and when the \
-                     server does. At most 32 runs have such channels at once.",
+                     server does. At most 256 runs have such channels at once.",
             )
             .takes(Shape::of::<AskedChannels>())
             .shows::<Vec<ChannelDescription>>("All channels, as they are then.")
