@@ -35,7 +35,7 @@ cd "$data"
 # What streams without an end (events, frames) is left to other tests. Whether right documents are taken is not
 # asked: they may be refused for what no schema says, such as a robot that does not fit.
 status=0
-timeout $((seconds * 3 + 60)) "$schemathesis" --config-file "$here/schemathesis.toml" run "$url/openapi.json" \
+timeout $((seconds * 4 + 120)) "$schemathesis" --config-file "$here/schemathesis.toml" run "$url/openapi.json" \
     --exclude-path-regex '/(events|frames)$' \
     --phases examples,coverage,fuzzing --mode all --max-examples 25 --max-time "$seconds" \
     --seed "$seed" --request-timeout 20 --max-response-time 10 --no-shrink \
