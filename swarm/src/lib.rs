@@ -31,7 +31,7 @@
 //! No file imports one above it, and none imports another in a circle. From the ground up:
 //!
 //! - Numbers: [`dimensions`], [`lanes`] (eight at a time), `backend` (which instructions), [`random`]
-//!   (a number for each seed, site, robot, purpose and counter), [`crew`] (threads).
+//!   (a number for each seed, site, robot, purpose and counter), [`crew`] (threads), [`saved_bytes`].
 //! - Plain data: [`parameters`] (tables that document themselves), [`robot`] (body, wheels, sensors),
 //!   [`spec`] (what a run is made from), [`bodies`] (robots and objects, and what sensors read),
 //!   [`caps`] (what a learner may hold), `stages` (what a stage of a run is).
@@ -64,6 +64,7 @@ mod prefetch;
 pub mod random;
 pub mod robot;
 pub mod run;
+pub mod saved_bytes;
 pub mod sensors;
 pub mod sharing;
 pub mod spec;

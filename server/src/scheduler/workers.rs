@@ -20,8 +20,8 @@ use super::spread::Spread;
 use crate::break_points::{Place, reach};
 use crate::channels::{ChannelSettings, Desks};
 use crate::store::{
-    ClaimedRun, CreateJobError, Created, Intent, JobKey, JobRequest, NewJob, RunKey, StoppedRun,
-    Store, StoreError,
+    ClaimedRun, CreateJobError, Created, Intent, JobKey, JobRequest, Last, NewJob, RunKey,
+    StoppedRun, Store, StoreError,
 };
 use crate::watching::Viewer;
 
@@ -427,13 +427,12 @@ impl Shared {
         self.desks.leave(&claimed.id, goes_on);
         match ended {
             Ended::Finished(finished, last) => {
-                // Before it is seen as done, so that whoever sees that can extend it.
-                if !last.is_empty() {
-                    let finals = self.store.finals();
-                    finals.keep(&claimed.id, &finished.findings, &last);
-                }
+                let last = (!last.is_empty()).then_some(Last {
+                    id: &claimed.id,
+                    snapshot: &last,
+                });
                 self.persist(&claimed.id, || {
-                    self.store.finish(claimed.seq, &finished).map(drop)
+                    self.store.finish(claimed.seq, &finished, last).map(drop)
                 });
             }
             Ended::Failed(reason) => {

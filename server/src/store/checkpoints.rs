@@ -78,7 +78,8 @@ impl Checkpoints {
     /// # Errors
     /// `Io` or `Full` when it cannot be written; the old one is then still there.
     pub fn write(&self, run: &str, checkpoint: &Checkpoint) -> Result<(), StoreError> {
-        self.put(run, &checkpoint.findings, &checkpoint.snapshot, true)
+        let blobs = Blobs::of(&checkpoint.findings);
+        self.put(run, &blobs, &checkpoint.snapshot, true)
     }
 
     /// Replaces the run's checkpoint; it survives a crash of the machine only where that is waited
@@ -86,12 +87,11 @@ impl Checkpoints {
     pub(super) fn put(
         &self,
         run: &str,
-        findings: &Findings,
+        blobs: &Blobs,
         snapshot: &[u8],
         is_durable: bool,
     ) -> Result<(), StoreError> {
         let path = self.path(run);
-        let blobs = Blobs::of(findings);
         let head = HeadV4 {
             results_version: swarm::RESULTS_VERSION,
             run: run.to_owned(),

@@ -5,8 +5,9 @@ use std::collections::VecDeque;
 use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use super::StoreError;
 use super::checkpoints::{Checkpoint, CheckpointError, Checkpoints};
-use super::{Findings, StoreError};
+use super::formats::Blobs;
 
 /// Most bytes unless told otherwise.
 pub const DEFAULT_BYTES: u64 = 256 << 20;
@@ -71,7 +72,7 @@ impl Finals {
     }
 
     /// Keeps the last state of a run, if it fits.
-    pub fn keep(&self, run: &str, findings: &Findings, snapshot: &[u8]) {
+    pub(super) fn keep(&self, run: &str, findings: &Blobs, snapshot: &[u8]) {
         if snapshot.len() as u64 > self.most_bytes() {
             return;
         }
@@ -145,7 +146,7 @@ mod tests {
     fn the_oldest_go_when_there_is_no_room() {
         let dir = tempfile::tempdir().unwrap();
         let finals = Finals::open(dir.path()).unwrap();
-        let findings = Findings::default();
+        let findings = Blobs::of(&crate::store::Findings::default());
         for run in ["a", "b", "c"] {
             finals.keep(run, &findings, &[7; 1_000]);
         }

@@ -48,7 +48,7 @@ pub use jobs::{JobView, RunningRun};
 pub use keys::{JobKey, RunKey};
 pub use lists::{JobFilter, JobMark, RunFilter};
 pub use recordings::Recordings;
-pub use results::Finished;
+pub use results::{Finished, Last};
 pub use retention::EndedJob;
 pub use runs::{ClaimedRun, RunView, StoppedRun};
 use sql::{from_sql, to_sql};

@@ -19,6 +19,15 @@ pub struct Finished {
     pub cpu_ns_per_robot_step: Option<f64>,
 }
 
+/// The state that a run ended in.
+#[derive(Clone, Copy, Debug)]
+pub struct Last<'a> {
+    /// The run.
+    pub id: &'a str,
+    /// What `swarm::run::Run::restore` takes.
+    pub snapshot: &'a [u8],
+}
+
 /// Processor time that a crash of the machine may cost, seconds: runs that took less are not waited
 /// for on disk when they are done, as they can be run again to the same bits.
 const QUICK_S: f64 = 0.5;
@@ -78,13 +87,22 @@ impl Store {
             .query_row((method, step_cost), |row| row.get(0))?)
     }
 
-    /// Stores what a run found and makes it done, as one. Returns whether the run was still wanted:
-    /// a run that was cancelled or deleted meanwhile stays so, and nothing is stored.
+    /// Stores what a run found and makes it done, as one; before that its last state, if there is
+    /// one to keep, so that whoever sees that it is done can extend it. Returns whether the run was
+    /// still wanted: a run that was cancelled or deleted meanwhile stays so, and nothing is stored.
     ///
     /// # Errors
     /// When the database fails; nothing is stored then.
-    pub fn finish(&self, run: RunKey, finished: &Finished) -> Result<bool, StoreError> {
+    pub fn finish(
+        &self,
+        run: RunKey,
+        finished: &Finished,
+        last: Option<Last<'_>>,
+    ) -> Result<bool, StoreError> {
         let blobs = Blobs::of(&finished.findings);
+        if let Some(Last { id, snapshot }) = last {
+            self.finals().keep(id, &blobs, snapshot);
+        }
         let result = serde_json::to_string(&finished.result)
             .map_err(|error| StoreError::unreadable("result", error))?;
         if finished.is_quick() {

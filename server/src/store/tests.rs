@@ -168,7 +168,7 @@ fn tampered(change: &str) -> (tempfile::TempDir, Store) {
     let store = open(dir.path());
     let (_, waiting) = create(&store, &["a", "b"]);
     store.claim(waiting[0]).unwrap().unwrap();
-    store.finish(waiting[0], &finished()).unwrap();
+    store.finish(waiting[0], &finished(), None).unwrap();
     store.connection().execute_batch(change).unwrap();
     drop(store);
     let store = open(dir.path());
@@ -285,7 +285,7 @@ fn unfinished_runs_of_another_results_version_start_again() {
         store.claim(*run).unwrap().unwrap();
     }
     store.park(waiting[0], &position(), 1_000).unwrap();
-    store.finish(waiting[1], &finished()).unwrap();
+    store.finish(waiting[1], &finished(), None).unwrap();
     let checkpoint = Checkpoint {
         findings: Findings::default(),
         snapshot: vec![1, 2, 3],
@@ -434,7 +434,7 @@ fn a_finished_run_is_kept_and_never_waits_again() {
     let (first, waiting) = create(&store, &["a"]);
     store.claim(waiting[0]).unwrap().unwrap();
     assert!(store.findings(waiting[0]).unwrap().is_none());
-    assert!(store.finish(waiting[0], &finished()).unwrap());
+    assert!(store.finish(waiting[0], &finished(), None).unwrap());
     let (second, waiting_again) = create(&store, &["a"]);
     assert!(waiting_again.is_empty());
     for job in [first, second] {
@@ -508,7 +508,7 @@ fn a_run_let_go_keeps_its_position_if_it_is_wanted() {
     assert_eq!(run.robot_steps_total, 2_000);
     assert!(store.cancel_run(waiting[1]).unwrap().is_some());
     assert!(!store.park(waiting[1], &position(), 2_000).unwrap());
-    assert!(!store.finish(waiting[1], &finished()).unwrap());
+    assert!(!store.finish(waiting[1], &finished(), None).unwrap());
     assert!(store.cancel_run(waiting[1]).unwrap().is_none());
     assert_eq!(state_of(&store, "b"), State::Cancelled);
 }
@@ -600,7 +600,7 @@ fn check_finds_every_damage_and_a_backup_is_whole() {
     let store = open(&data);
     let (_, waiting) = create(&store, &["a", "b"]);
     store.claim(waiting[0]).unwrap().unwrap();
-    store.finish(waiting[0], &finished()).unwrap();
+    store.finish(waiting[0], &finished(), None).unwrap();
     let checkpoint = Checkpoint {
         findings: finished().findings,
         snapshot: vec![1, 2, 3],

@@ -1,5 +1,6 @@
 //! What a run has counted at one moment, as the formulas of metrics want it.
 
+use std::cell::OnceCell;
 use std::sync::LazyLock;
 
 use arenas::Reachable;
@@ -21,7 +22,11 @@ pub struct Counted<'a> {
     pub entries: u64,
     /// Sum of n ln n over the squares, n the entries of each.
     pub n_ln_n: f64,
+    first_entries: OnceCell<Vec<u64>>,
 }
+
+/// Squares that are looked at together: most runs leave most squares alone for long.
+const TOGETHER: usize = 16;
 
 impl<'a> Counted<'a> {
     /// Sums up the entries of a world.
@@ -33,17 +38,24 @@ impl<'a> Counted<'a> {
             entered: [0; 4],
             entries: 0,
             n_ln_n: 0.0,
+            first_entries: OnceCell::new(),
         };
         let known = &N_LN_N[..];
-        for entries in counted.inside(world.entries()) {
-            for (squares, least) in counted.entered.iter_mut().zip(COVERAGE_LEVELS) {
-                *squares += u32::from(entries >= least);
+        let visits = world.visit_counts().chunks(TOGETHER);
+        for (visits, mask) in visits.zip(reachable.mask.chunks(TOGETHER)) {
+            if visits.iter().fold(0, |any, visit| any | visit[0]) == 0 {
+                continue;
             }
-            counted.entries += u64::from(entries);
-            counted.n_ln_n += match known.get(entries as usize) {
-                Some(known) => *known,
-                None => n_ln_n(entries),
-            };
+            for (&[entries, _], _) in visits.iter().zip(mask).filter(|&(_, &inside)| inside) {
+                for (squares, least) in counted.entered.iter_mut().zip(COVERAGE_LEVELS) {
+                    *squares += u32::from(entries >= least);
+                }
+                counted.entries += u64::from(entries);
+                counted.n_ln_n += match known.get(entries as usize) {
+                    Some(known) => *known,
+                    None => n_ln_n(entries),
+                };
+            }
         }
         counted
     }
@@ -74,10 +86,12 @@ impl<'a> Counted<'a> {
         squares.filter_map(|(square, &inside)| inside.then_some(square))
     }
 
-    /// For each square within reach 1 + the counted steps after which it was first entered, 0 for
-    /// never; nothing before visits count.
-    pub fn first_entry(&self) -> impl Iterator<Item = u64> + use<'a> {
-        self.inside(self.tally().first_entry().iter().copied())
+    /// Of each square within reach that was entered 1 + the counted steps before it was.
+    pub fn times_of_first_entries(&self) -> &[u64] {
+        self.first_entries.get_or_init(|| {
+            let all = self.inside(self.tally().first_entry().iter().copied());
+            all.filter(|&first| first > 0).collect()
+        })
     }
 }
 

@@ -70,21 +70,42 @@ pub const METRICS: &[Metric] = &[
         unit: "steps",
         formula: r"time to cover 50 %: least `t` at which at least 50 % of `R` (rounded up) has `v_s(t)` >= 1; null when never",
         shown: &[AtEnd, Summary],
-        source: From(|now| time_to_cover(now.first_entry(), now.reachable, 50).map(Count)),
+        source: From(|now| {
+            time_to_cover(
+                now.times_of_first_entries().iter().copied(),
+                now.reachable,
+                50,
+            )
+            .map(Count)
+        }),
     },
     Metric {
         name: "t90_steps",
         unit: "steps",
         formula: r"the same with 90 %",
         shown: &[AtEnd, Summary],
-        source: From(|now| time_to_cover(now.first_entry(), now.reachable, 90).map(Count)),
+        source: From(|now| {
+            time_to_cover(
+                now.times_of_first_entries().iter().copied(),
+                now.reachable,
+                90,
+            )
+            .map(Count)
+        }),
     },
     Metric {
         name: "t99_steps",
         unit: "steps",
         formula: r"the same with 99 %",
         shown: &[AtEnd, Summary],
-        source: From(|now| time_to_cover(now.first_entry(), now.reachable, 99).map(Count)),
+        source: From(|now| {
+            time_to_cover(
+                now.times_of_first_entries().iter().copied(),
+                now.reachable,
+                99,
+            )
+            .map(Count)
+        }),
     },
     Metric {
         name: "mean_coverage",
@@ -92,8 +113,8 @@ pub const METRICS: &[Metric] = &[
         formula: r"mean over the counted steps of `fraction_1`: sum over `s` in `R` of (T - f_s) / (T \|R\|), f_s the step of the first entry, T the counted steps",
         shown: &[AtEnd, Summary],
         source: From(|now| {
-            let (first_entry, steps) = (now.first_entry(), now.tally().steps());
-            Some(Real(mean_coverage(first_entry, now.reachable, steps)))
+            let (entered, steps) = (now.times_of_first_entries(), now.tally().steps());
+            Some(Real(mean_coverage(entered, now.reachable, steps)))
         }),
     },
     Metric {
@@ -182,14 +203,15 @@ pub fn time_to_cover(
     Some(*last - 1)
 }
 
-/// Mean over `steps` counted steps of the share of `reachable` squares that had been entered.
-fn mean_coverage(first_entries: impl Iterator<Item = u64>, reachable: u32, steps: u64) -> f64 {
+/// Mean over `steps` counted steps of the share of `reachable` squares that had been entered, from
+/// the times of first entries (1 + steps).
+fn mean_coverage(first_entries: &[u64], reachable: u32, steps: u64) -> f64 {
     if reachable == 0 || steps == 0 {
         return 0.0;
     }
     let covered: f64 = first_entries
-        .filter(|&first| first > 0)
-        .map(|first| (steps + 1).saturating_sub(first) as f64)
+        .iter()
+        .map(|&first| (steps + 1).saturating_sub(first) as f64)
         .sum();
     covered / steps as f64 / f64::from(reachable)
 }
@@ -290,9 +312,9 @@ mod tests {
     #[test]
     fn mean_coverage_by_hand() {
         // Four squares over ten steps: there from the start, after five, after ten, never.
-        let first = [1, 6, 11, 0];
-        assert_eq!(mean_coverage(first.into_iter(), 4, 10), (10.0 + 5.0) / 40.0);
-        assert_eq!(mean_coverage(first.into_iter(), 0, 10), 0.0);
+        let first = [1, 6, 11];
+        assert_eq!(mean_coverage(&first, 4, 10), (10.0 + 5.0) / 40.0);
+        assert_eq!(mean_coverage(&first, 0, 10), 0.0);
     }
 
     #[test]

@@ -5,6 +5,7 @@ use sha2::{Digest, Sha256};
 
 use super::metrics::{IN_STATE, MetricsRow};
 use crate::metrics::{RowValues, Value, over_time};
+use crate::saved_bytes;
 
 /// The last bytes of a snapshot that has later metrics.
 const MAGIC: &[u8; 8] = b"evsrows1";
@@ -29,9 +30,7 @@ fn seal(columns: &[Column]) -> Vec<u8> {
     if columns.is_empty() {
         return Vec::new();
     }
-    // Serializing plain data into memory has no way to fail: no sequence is of unknown length.
-    #[allow(clippy::expect_used, reason = "see above")]
-    let mut bytes = postcard::to_stdvec(columns).expect("plain data serializes");
+    let mut bytes = saved_bytes::append(Vec::new(), columns);
     let (digest, length) = (Sha256::digest(&bytes), bytes.len() as u64);
     bytes.extend_from_slice(&digest);
     bytes.extend_from_slice(&length.to_le_bytes());

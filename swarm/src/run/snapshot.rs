@@ -16,12 +16,15 @@ use super::saved_rows::{Later, later};
 use super::tracks::Tracks;
 use crate::engine::EngineState;
 use crate::robot::RobotModel;
+use crate::saved_bytes;
 use crate::spec::{ControllerSpec, RadioLink, RunSpec, Sharing, Training};
 use crate::validate::ValidSpec;
 use crate::world::{World, WorldState};
 
 /// Changes whenever the layout of saved state does.
 const MAGIC: &[u8; 8] = b"evswarm4";
+/// Of SHA-256.
+const HASH_BYTES: usize = 32;
 
 #[derive(Serialize)]
 struct SavedRef<'a> {
@@ -155,15 +158,10 @@ impl Run {
                 .map(|v| (v.world.state(), v.world.engine()))
                 .collect(),
         };
-        #[allow(
-            clippy::expect_used,
-            reason = "plain data has no sequence of unknown length, so this cannot fail"
-        )]
-        let state = postcard::to_stdvec(&saved).expect("plain data serializes");
-        let mut bytes = Vec::with_capacity(state.len() + 40);
-        bytes.extend_from_slice(MAGIC);
-        bytes.extend_from_slice(&Sha256::digest(&state));
-        bytes.extend_from_slice(&state);
+        let mut bytes = [&MAGIC[..], &[0; HASH_BYTES]].concat();
+        bytes = saved_bytes::append(bytes, &saved);
+        let (head, state) = bytes.split_at_mut(MAGIC.len() + HASH_BYTES);
+        head[MAGIC.len()..].copy_from_slice(&Sha256::digest(state));
         bytes
     }
 }
@@ -177,7 +175,7 @@ pub(super) fn restore_of(spec: ValidSpec, of: [u8; 32], bytes: &[u8]) -> Result<
         .strip_prefix(MAGIC)
         .ok_or_else(|| unreadable("not of this version"))?;
     let (hash, state) = rest
-        .split_at_checked(32)
+        .split_at_checked(HASH_BYTES)
         .ok_or_else(|| unreadable("cut short"))?;
     if Sha256::digest(state)[..] != *hash {
         return Err(damaged());

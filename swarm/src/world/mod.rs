@@ -259,6 +259,11 @@ impl World {
         }
     }
 
+    /// Entries and steps spent of each square, row 0 lowest.
+    pub fn visit_counts(&self) -> &[[u32; 2]] {
+        &self.state.visits
+    }
+
     /// Entries of each square, row 0 lowest.
     pub fn entries(&self) -> impl Iterator<Item = u32> {
         self.state.visits.iter().map(|visit| visit[0])

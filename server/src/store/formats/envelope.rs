@@ -3,10 +3,10 @@
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use sha2::{Digest, Sha256};
+use swarm::saved_bytes;
 
 const MAGIC: [u8; 4] = *b"EVSF";
-/// Magic, kind, version, digest.
-const HEAD_BYTES: usize = 4 + 1 + 1 + 32;
+const DIGEST_BYTES: usize = 32;
 
 /// What a blob is about; the number is on disk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,14 +50,11 @@ pub enum Damage {
 
 /// A layout with its version, in its envelope.
 pub fn seal(kind: Kind, version: u8, layout: &impl Serialize) -> Vec<u8> {
-    // Serializing plain data into memory has no way to fail: no sequence is of unknown length.
-    #[allow(clippy::expect_used, reason = "see above")]
-    let payload = postcard::to_stdvec(layout).expect("plain data serializes");
-    let mut bytes = Vec::with_capacity(HEAD_BYTES + payload.len());
-    bytes.extend_from_slice(&MAGIC);
-    bytes.extend_from_slice(&[kind as u8, version]);
-    bytes.extend_from_slice(&digest(kind, version, &payload));
-    bytes.extend_from_slice(&payload);
+    let mut bytes = [&MAGIC[..], &[kind as u8, version], &[0; DIGEST_BYTES]].concat();
+    let head_bytes = bytes.len();
+    bytes = saved_bytes::append(bytes, layout);
+    let (head, payload) = bytes.split_at_mut(head_bytes);
+    head[head_bytes - DIGEST_BYTES..].copy_from_slice(&digest(kind, version, payload));
     bytes
 }
 
