@@ -31,9 +31,18 @@ pub(crate) struct Gap {
 /// The gaps of some lines, and which hang together.
 #[derive(Debug)]
 pub(crate) struct FreeSpace {
+    zones: Vec<Zone>,
+    radius_m: f64,
     lines: Vec<Line>,
-    gaps: Vec<Gap>,
+    gaps: Vec<Between>,
     sets: Sets,
+}
+
+/// A gap as the zones that it lies between: there are many, and zones know where they meet a line.
+#[derive(Clone, Copy, Debug)]
+struct Between {
+    before: u32,
+    after: u32,
 }
 
 #[derive(Debug)]
@@ -43,6 +52,7 @@ struct Line {
 }
 
 /// A wall as its zone: offsets to both sides, and how far up and down it reaches.
+#[derive(Debug)]
 struct Zone {
     wall: Segment,
     offset: Vector2<f64>,
@@ -120,6 +130,8 @@ impl FreeSpace {
         let widest_m = y_m.windows(2).map(|pair| pair[1] - pair[0]);
         let widest_m = widest_m.fold(0.0, f64::max);
         let mut space = Self {
+            zones: Vec::new(),
+            radius_m,
             lines: Vec::with_capacity(y_m.len()),
             gaps: Vec::new(),
             sets: Sets::default(),
@@ -133,7 +145,18 @@ impl FreeSpace {
             (between, meetings) = meetings.split_at(before);
             sweep.advance(y_m, between, &mut space);
         }
+        space.zones = zones;
         Some(space)
+    }
+
+    /// Where a gap of the line at `y_m` is.
+    fn gap(&self, y_m: f64, between: Between) -> Gap {
+        let meets = |zone: u32| self.zones[zone as usize].crossing(y_m, self.radius_m);
+        let (before, after) = (meets(between.before), meets(between.after));
+        Gap {
+            from_m: before.map_or(f64::NAN, |[_, to_m]| to_m),
+            to_m: after.map_or(f64::NAN, |[from_m, _]| from_m),
+        }
     }
 
     /// Where a line lies.
@@ -151,33 +174,40 @@ impl FreeSpace {
         } else {
             below
         };
-        let gaps = self.lines.get(line)?.gaps.clone();
+        let Line { y_m, gaps } = self.lines.get(line)?;
         let first = gaps.start;
-        let gaps = &self.gaps[gaps];
-        let next = gaps.partition_point(|gap| gap.to_m + TOLERANCE_M < point.x);
-        let gap = gaps.get(next)?;
-        (gap.from_m - TOLERANCE_M <= point.x).then_some(first + next)
+        let gaps = &self.gaps[gaps.clone()];
+        let gap = |between: &Between| self.gap(*y_m, *between);
+        let next = gaps.partition_point(|between| gap(between).to_m + TOLERANCE_M < point.x);
+        let from_m = gap(gaps.get(next)?).from_m;
+        (from_m - TOLERANCE_M <= point.x).then_some(first + next)
     }
 
     /// Of each gap, whether it hangs together with one that a start is on.
     pub fn reached_from(&mut self, starts: impl Iterator<Item = Point2<f64>>) -> Vec<bool> {
         let mut reached = vec![false; self.gaps.len()];
-        let mut is_reached = vec![false; self.gaps.len()];
         for start in starts {
             if let Some(gap) = self.gap_at(start) {
-                is_reached[self.sets.find(gap as u32) as usize] = true;
+                reached[self.sets.find(gap as u32) as usize] = true;
             }
         }
-        for (gap, reached) in (0..).zip(&mut reached) {
-            *reached = is_reached[self.sets.find(gap) as usize];
+        // A set goes by its least number, which comes before the others.
+        for gap in 0..reached.len() {
+            reached[gap] = reached[self.sets.find(gap as u32) as usize];
         }
         reached
     }
 
+    /// Forgets what hangs together, once nobody asks for it any more.
+    pub fn forget_sets(&mut self) {
+        self.sets = Sets::default();
+    }
+
     /// The gaps of a line, each with its number.
     pub fn gaps_of(&self, line: usize) -> impl Iterator<Item = (usize, Gap)> {
-        let gaps = self.lines[line].gaps.clone();
-        gaps.map(|gap| (gap, self.gaps[gap]))
+        let Line { y_m, gaps } = &self.lines[line];
+        gaps.clone()
+            .map(|gap| (gap, self.gap(*y_m, self.gaps[gap])))
     }
 }
 
@@ -263,22 +293,24 @@ impl<'a> Sweep<'a> {
         self.here.first_gap = space.gaps.len();
         self.here.members.clear();
         self.here.count = 0;
-        let mut to_m = f64::NEG_INFINITY;
+        let (mut to_m, mut last) = (f64::NEG_INFINITY, NONE);
         for crossing in &self.active {
             if crossing.from_m == f64::INFINITY {
                 break;
             }
             if crossing.from_m >= to_m {
                 if self.here.count > 0 {
-                    space.gaps.push(Gap {
-                        from_m: to_m,
-                        to_m: crossing.from_m,
+                    space.gaps.push(Between {
+                        before: last,
+                        after: crossing.zone,
                     });
                     space.sets.add();
                 }
                 self.here.count += 1;
             }
-            to_m = to_m.max(crossing.to_m);
+            if crossing.to_m > to_m {
+                (to_m, last) = (crossing.to_m, crossing.zone);
+            }
             let block = self.here.count as u32 - 1;
             self.here.members.push((crossing.zone, block));
         }

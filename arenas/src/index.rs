@@ -64,8 +64,9 @@ fn x_near_row(wall: &Segment, y_m: f64, far_m: f64) -> [f64; 2] {
     [one.min(other), one.max(other)]
 }
 
+/// The walls of a cell, as places in a list.
 #[derive(Clone, Copy, Debug, Default)]
-struct Cell {
+pub struct Cell {
     start: u32,
     near: u32,
     all: u32,
@@ -187,9 +188,16 @@ impl WallIndex {
         }
     }
 
+    /// What is looked at first of a robot at (x, y), to be asked for in time.
     #[inline(always)]
-    fn cell(&self, x_m: f32, y_m: f32) -> Cell {
-        self.cells[self.up.cell(y_m) * self.columns + self.across.cell(x_m)]
+    pub fn cell(&self, x_m: f32, y_m: f32) -> &Cell {
+        &self.cells[self.up.cell(y_m) * self.columns + self.across.cell(x_m)]
+    }
+
+    /// What is looked at next.
+    #[inline(always)]
+    pub fn list(&self, x_m: f32, y_m: f32) -> Option<&u32> {
+        self.listing.get(self.cell(x_m, y_m).start as usize)
     }
 
     /// Numbers of the walls that a robot near (x, y) can touch.

@@ -77,7 +77,9 @@ impl WithinReach {
         y_m.dedup();
         let mut space = FreeSpace::new(arena, body_radius_m, y_m.into_iter());
         let reached = space.as_mut().map_or_else(Vec::new, |space| {
-            space.reached_from(arena.starts().iter().map(Pose::position))
+            let reached = space.reached_from(arena.starts().iter().map(Pose::position));
+            space.forget_sets();
+            reached
         });
         Self { space, reached }
     }

@@ -12,6 +12,9 @@ use crate::spec::{FieldError, Placement};
 /// Room between two bodies, and between a body and a wall, at the start, metres.
 const ROOM_M: f64 = 1e-3;
 
+/// Stands for no body: there are never so many.
+const NOBODY: u32 = u32::MAX;
+
 /// Attempts a robot before random placement gives up.
 const ATTEMPTS: u32 = 2_000;
 
@@ -223,9 +226,9 @@ fn random(room: &Room<'_>, wanted: usize, seed: u64, site: Site) -> Vec<StartPos
     let apart = 2.0 * radius + ROOM_M;
     let (width, height) = (arena.width_m(), arena.height_m());
     let (columns, rows) = ((width / apart) as usize + 1, (height / apart) as usize + 1);
-    // One body at most has its centre in a cell of side `apart / sqrt 2`; two do in larger ones, so
-    // each cell holds a short list.
-    let mut cells: Vec<Vec<(f64, f64)>> = vec![Vec::new(); columns * rows];
+    // The latest body of each cell, and of each body its centre and the one before it in its cell.
+    let mut latest = vec![NOBODY; columns * rows];
+    let mut bodies: Vec<([f64; 2], u32)> = Vec::with_capacity(wanted);
     let mut stream = Stream::new(stream_key(seed, site, 0, Purpose::Placement));
     let mut poses = Vec::with_capacity(wanted);
     while poses.len() < wanted {
@@ -242,13 +245,20 @@ fn random(room: &Room<'_>, wanted: usize, seed: u64, site: Site) -> Vec<StartPos
                 && room.is_free(x, y)
                 && (row.saturating_sub(1)..=(row + 1).min(rows - 1)).all(|r| {
                     (column.saturating_sub(1)..=(column + 1).min(columns - 1)).all(|c| {
-                        cells[r * columns + c].iter().all(|&(ox, oy)| {
-                            (ox - x) * (ox - x) + (oy - y) * (oy - y) > apart * apart
-                        })
+                        let mut body = latest[r * columns + c];
+                        while let Some(&([ox, oy], before)) = bodies.get(body as usize) {
+                            if (ox - x) * (ox - x) + (oy - y) * (oy - y) <= apart * apart {
+                                return false;
+                            }
+                            body = before;
+                        }
+                        true
                     })
                 });
             if clear {
-                cells[row * columns + column].push((x, y));
+                let latest = &mut latest[row * columns + column];
+                let before = std::mem::replace(latest, bodies.len() as u32);
+                bodies.push(([x, y], before));
                 poses.push(start_pose(x, y, heading));
                 placed = true;
                 break;

@@ -3,8 +3,10 @@
 use arenas::axis::GridAxis;
 use rayon::prelude::*;
 
-use super::near::{CHUNK, NearChunk};
-use crate::bodies::Body;
+use super::near::{CHUNK, NearChunk, Pair};
+
+/// Where a robot's centre is, metres.
+pub type Place = [f32; 2];
 
 /// A robot in a cell.
 #[derive(Clone, Copy, Debug, Default)]
@@ -72,18 +74,18 @@ impl Cells {
         }
     }
 
-    /// The cell of a body.
+    /// The cell of a place.
     #[inline(always)]
-    fn cell(&self, body: &Body) -> u32 {
-        (self.up.cell(body.y_m) * self.columns + self.across.cell(body.x_m)) as u32
+    fn cell(&self, [x_m, y_m]: Place) -> u32 {
+        (self.up.cell(y_m) * self.columns + self.across.cell(x_m)) as u32
     }
 
     /// Sorts robots into cells.
     #[inline(always)]
-    pub fn sort(&mut self, bodies: &[Body]) {
+    pub fn sort(&mut self, places: &[Place]) {
         self.starts.fill(0);
-        for (slot, body) in bodies.iter().enumerate() {
-            let cell = self.cell(body);
+        for (slot, &place) in places.iter().enumerate() {
+            let cell = self.cell(place);
             self.cell_of[slot] = cell;
             self.starts[cell as usize] += 1;
         }
@@ -93,44 +95,44 @@ impl Cells {
             *start = sum;
         }
         // From the last robot to the first, so that slots rise within a cell.
-        for (slot, body) in bodies.iter().enumerate().rev() {
-            let place = &mut self.starts[self.cell_of[slot] as usize];
-            *place -= 1;
-            self.sorted[*place as usize] = Entry::of(slot, body);
+        for (slot, &place) in places.iter().enumerate().rev() {
+            let start = &mut self.starts[self.cell_of[slot] as usize];
+            *start -= 1;
+            self.sorted[*start as usize] = Entry::of(slot, place);
         }
     }
 
     /// The same on the threads of the present pool: each counts and fills a strip of cells, from the
     /// chunks of robots that have any in it.
-    pub fn sort_in_strips(&mut self, bodies: &[Body]) {
+    pub fn sort_in_strips(&mut self, places: &[Place]) {
         let cells = self.starts.len() - 1;
         let wide = cells.div_ceil(rayon::current_num_threads());
         let mut spans = std::mem::take(&mut self.spans);
         let mut cell_of = std::mem::take(&mut self.cell_of);
-        spans.resize(bodies.len().div_ceil(CHUNK), [0; 2]);
+        spans.resize(places.len().div_ceil(CHUNK), [0; 2]);
         self.totals.resize(cells.div_ceil(wide), 0);
         let this = &*self;
         cell_of
             .par_chunks_mut(CHUNK)
             .zip(&mut spans)
-            .zip(bodies.par_chunks(CHUNK))
+            .zip(places.par_chunks(CHUNK))
             .with_min_len(8)
-            .for_each(|((cell_of, span), bodies)| {
+            .for_each(|((cell_of, span), places)| {
                 *span = [u32::MAX, 0];
-                for (cell_of, body) in cell_of.iter_mut().zip(bodies) {
-                    let cell = this.cell(body);
+                for (cell_of, &place) in cell_of.iter_mut().zip(places) {
+                    let cell = this.cell(place);
                     *cell_of = cell;
                     *span = [span[0].min(cell), span[1].max(cell)];
                 }
             });
         (self.spans, self.cell_of) = (spans, cell_of);
         let located = Located {
-            bodies,
+            places,
             cell_of: &self.cell_of,
             spans: &self.spans,
         };
         let (starts, end) = self.starts.split_at_mut(cells);
-        end[0] = bodies.len() as u32;
+        end[0] = places.len() as u32;
         starts
             .par_chunks_mut(wide)
             .zip(&mut self.totals)
@@ -183,14 +185,17 @@ impl Cells {
                 let in_sight = (d2 < self.sight_m2) & (entry.slot as usize != slot);
                 seen[seen_count % MOST_SEEN] = [entry.x_m, entry.y_m];
                 seen_count += usize::from(in_sight);
-                pairs[near_count] = [slot as u32, entry.slot];
+                pairs[near_count] = Pair::new(slot, entry.slot);
                 near_count += usize::from(in_sight & (d2 < self.candidate_m2));
                 near_count = near_count.min(chunk.most);
             }
         }
         let near = &mut pairs[..near_count];
         // Sums of pushes must not depend on slots.
-        let key = |pair: [u32; 2]| (self.cell_of[pair[1] as usize], numbers[pair[1] as usize]);
+        let key = |pair: Pair| {
+            let other = pair.other() as usize;
+            (self.cell_of[other], numbers[other])
+        };
         for sorted in 1..near_count {
             let mut at = sorted;
             while at > 0 && key(near[at]) < key(near[at - 1]) {
@@ -244,10 +249,10 @@ impl Cells {
 
 impl Entry {
     #[inline(always)]
-    fn of(slot: usize, body: &Body) -> Self {
+    fn of(slot: usize, [x_m, y_m]: Place) -> Self {
         Self {
-            x_m: body.x_m,
-            y_m: body.y_m,
+            x_m,
+            y_m,
             slot: slot as u32,
         }
     }
@@ -256,7 +261,7 @@ impl Entry {
 /// Robots with their cells, for threads that sort a strip each.
 #[derive(Clone, Copy)]
 struct Located<'a> {
-    bodies: &'a [Body],
+    places: &'a [Place],
     cell_of: &'a [u32],
     spans: &'a [[u32; 2]],
 }
@@ -320,12 +325,12 @@ impl Located<'_> {
     /// Puts the robots of a strip into their places; its ends become starts.
     fn fill(&self, first: usize, starts: &mut [u32], sorted: &mut [Entry], before: u32) {
         for slot in self.chunks(first, starts.len()).rev() {
-            let bodies = self.bodies[slot..].iter().take(CHUNK);
-            for (place, body) in bodies.enumerate().rev() {
-                let cell = self.cell_of[slot + place] as usize;
+            let places = self.places[slot..].iter().take(CHUNK);
+            for (later, &place) in places.enumerate().rev() {
+                let cell = self.cell_of[slot + later] as usize;
                 if let Some(start) = starts.get_mut(cell.wrapping_sub(first)) {
                     *start -= 1;
-                    sorted[*start as usize] = Entry::of(slot + place, body);
+                    sorted[*start as usize] = Entry::of(slot + later, place);
                 }
             }
         }
@@ -336,36 +341,28 @@ impl Located<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bodies::StartPose;
     use crate::random::Stream;
 
-    fn bodies(robots: usize, side_m: f64) -> Vec<Body> {
+    fn places(robots: usize, side_m: f64) -> Vec<Place> {
         let mut stream = Stream::new(robots as u64);
-        let mut body = || {
-            Body::at_rest(&StartPose {
-                x_m: (side_m * stream.uniform()) as f32,
-                y_m: (side_m * stream.uniform()) as f32,
-                cos: 1.0,
-                sin: 0.0,
-            })
-        };
-        (0..robots).map(|_| body()).collect()
+        let mut at_m = || (side_m * stream.uniform()) as f32;
+        (0..robots).map(|_| [at_m(), at_m()]).collect()
     }
 
     #[test]
     fn strips_are_sorted_as_the_whole() {
         for (robots, side_m) in [(2, 0.3), (700, 5.0), (700, 0.3), (5_000, 20.0)] {
-            let bodies = bodies(robots, side_m);
+            let places = places(robots, side_m);
             let mut whole = Cells::new(robots, (side_m, side_m), 0.1, 0.1);
-            whole.sort(&bodies);
+            whole.sort(&places);
             for threads in [1, 2, 3, 7] {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
                 let mut strips = Cells::new(robots, (side_m, side_m), 0.1, 0.1);
                 #[allow(clippy::unwrap_used, reason = "a test fails by panicking")]
                 let pool = pool.build().unwrap();
                 // Twice: scratch of the first time must not show.
-                pool.install(|| strips.sort_in_strips(&bodies));
-                pool.install(|| strips.sort_in_strips(&bodies));
+                pool.install(|| strips.sort_in_strips(&places));
+                pool.install(|| strips.sort_in_strips(&places));
                 assert_eq!(strips.starts, whole.starts, "{robots} {threads}");
                 assert_eq!(strips.cell_of, whole.cell_of);
                 let slots = |cells: &Cells| cells.sorted.iter().map(|e| e.slot).collect::<Vec<_>>();
@@ -377,15 +374,15 @@ mod tests {
     #[test]
     fn a_robot_among_too_many_to_note_sees_them_all() {
         let robots = 3 * MOST_SEEN;
-        let bodies = bodies(robots, 0.05);
+        let places = places(robots, 0.05);
         let mut cells = Cells::new(robots, (0.05, 0.05), 0.1, 0.01);
-        cells.sort(&bodies);
+        cells.sort(&places);
         let mut near = super::super::near::Near::new(robots, 0.01, 0.01);
         let numbers: Vec<u32> = (0..robots as u32).collect();
         let mut seen = [[0.0; 2]; MOST_SEEN];
         #[allow(clippy::unwrap_used, reason = "a test fails by panicking")]
         let mut chunk = near.chunks_mut().next().unwrap();
-        let place = (bodies[0].x_m, bodies[0].y_m);
+        let place = (places[0][0], places[0][1]);
         let noted = cells.look_around(0, place, &numbers, &mut chunk, &mut seen);
         assert_eq!(noted, robots - 1);
         let mut all = 0;

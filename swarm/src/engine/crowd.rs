@@ -8,15 +8,19 @@
 use arenas::index::WallIndex;
 use rayon::prelude::*;
 
-use super::cells::{Cells, MOST_SEEN};
+use super::cells::{Cells, MOST_SEEN, Place};
 use super::kinematic::Contact;
 use super::near::{CHUNK, Near};
 use crate::bodies::Body;
+use crate::prefetch::prefetch;
 
 /// Deepest overlap of two robots that is left standing, metres.
 pub const OVERLAP_M: f32 = 5e-5;
 
 const ITERATIONS: usize = 8;
+
+/// Robots from which on what they need comes from far, and is asked for in time.
+pub const LARGE: usize = 32_768;
 
 /// Fewest robots to be pushed that several threads share.
 const SHARED: usize = 512;
@@ -35,6 +39,9 @@ pub struct Crowd {
     pub cells: Cells,
     /// Who may touch whom in the next step.
     pub near: Near,
+    /// Where robots are while they are parted and sorted, by slot: a copy, as bodies are too far
+    /// apart for those that look at all of them.
+    pub places: Vec<Place>,
     /// Robots that may overlap, in its first `active_count` places.
     active: Vec<u32>,
     active_count: usize,
@@ -59,6 +66,7 @@ impl Crowd {
         Self {
             cells: Cells::new(robots, (width_m, height_m), sight_m, candidate_m),
             near: Near::new(robots, f64::from(candidate_m), apart_m),
+            places: vec![[0.0; 2]; robots],
             active: vec![0; robots],
             active_count: 0,
             found: Vec::new(),
@@ -66,6 +74,11 @@ impl Crowd {
             stamp: vec![0; robots],
             round: 0,
         }
+    }
+
+    /// Notes where robots are.
+    pub fn locate(&mut self, bodies: &[Body]) {
+        locate(bodies, &mut self.places);
     }
 
     /// Notes contact candidates of robots that were sorted into cells.
@@ -80,8 +93,8 @@ impl Crowd {
         }
     }
 
-    /// Resolves overlaps of bodies that are free of walls and were free of overlaps before the step;
-    /// on the threads of the present pool where `shared`.
+    /// Resolves overlaps of bodies that are free of walls, where `places` says, and were free of
+    /// overlaps before the step; on the threads of the present pool where `shared`.
     #[inline(always)]
     pub fn separate(
         &mut self,
@@ -92,7 +105,7 @@ impl Crowd {
     ) {
         let diameter_m = 2.0 * contact.radius_m;
         let limit_m = diameter_m - 0.5 * OVERLAP_M;
-        self.activate_overlapping(limit_m * limit_m, bodies, shared);
+        self.activate_overlapping(limit_m * limit_m, shared);
         for _ in 0..ITERATIONS {
             self.push_all(contact, index, diameter_m, bodies, shared);
             if self.moved.is_empty() {
@@ -102,6 +115,7 @@ impl Crowd {
                 let body = &mut bodies[i as usize];
                 (body.x_m, body.y_m) = (x_m, y_m);
                 body.touched = true;
+                self.places[i as usize] = [x_m, y_m];
             }
             self.activate_moved();
         }
@@ -110,14 +124,14 @@ impl Crowd {
 
     /// Makes the robots that overlap others the active ones.
     #[inline(always)]
-    fn activate_overlapping(&mut self, limit_m2: f32, bodies: &[Body], shared: bool) {
-        let chunks = bodies.len().div_ceil(CHUNK);
-        let near = &self.near;
+    fn activate_overlapping(&mut self, limit_m2: f32, shared: bool) {
+        let chunks = self.places.len().div_ceil(CHUNK);
+        let (near, at_m) = (&self.near, &self.places[..]);
         self.active_count = 0;
         if !shared {
             for chunk in 0..chunks {
                 let places = &mut self.active[self.active_count..];
-                self.active_count += overlapping(near.of_chunk(chunk), limit_m2, bodies, places);
+                self.active_count += overlapping(near, chunk, limit_m2, at_m, places);
             }
             return;
         }
@@ -128,7 +142,7 @@ impl Crowd {
             .enumerate()
             .with_min_len(8)
             .for_each(|(chunk, (places, found))| {
-                *found = overlapping(near.of_chunk(chunk), limit_m2, bodies, places) as u32;
+                *found = overlapping(near, chunk, limit_m2, at_m, places) as u32;
             });
         for (chunk, &found) in self.found.iter().enumerate() {
             let (from, found) = (chunk * CHUNK, found as usize);
@@ -149,8 +163,9 @@ impl Crowd {
         shared: bool,
     ) {
         let (near, active) = (&self.near, &self.active[..self.active_count]);
+        let places = &self.places[..];
         let push = |i: u32| {
-            let (x_m, y_m) = push(i as usize, near, contact, diameter_m, bodies)?;
+            let (x_m, y_m) = push(i as usize, near, contact, diameter_m, places, bodies)?;
             let body = &bodies[i as usize];
             let [x_m, y_m] = contact.free_of_walls(index, body.from_m, [x_m, y_m]);
             Some((i, x_m, y_m))
@@ -165,7 +180,16 @@ impl Crowd {
                 .for_each(|(moved, &i)| *moved = push(i).unwrap_or(STAYS));
             self.moved.retain(|moved| moved.0 != STAYS.0);
         } else {
-            self.moved.extend(active.iter().filter_map(|&i| push(i)));
+            let is_large = bodies.len() >= LARGE;
+            self.moved
+                .extend(active.iter().enumerate().filter_map(|(place, &i)| {
+                    if is_large && let Some(&later) = active.get(place + 8) {
+                        prefetch(&bodies[later as usize].from_m);
+                        let [x_m, y_m] = places[later as usize];
+                        prefetch(index.cell(x_m, y_m));
+                    }
+                    push(i)
+                }));
         }
     }
 
@@ -175,7 +199,7 @@ impl Crowd {
         self.active_count = 0;
         for &(i, _, _) in &self.moved {
             let near = self.near.of(i as usize);
-            for &who in std::iter::once(&i).chain(near.iter().map(|[_, other]| other)) {
+            for who in std::iter::once(i).chain(near.iter().map(|pair| pair.other())) {
                 if self.stamp[who as usize] != self.round {
                     self.stamp[who as usize] = self.round;
                     self.active[self.active_count] = who;
@@ -196,8 +220,8 @@ impl Crowd {
                 if [body.x_m, body.y_m] == body.from_m {
                     continue;
                 }
-                let clash = self.near.of(i as usize).iter().any(|&[_, j]| {
-                    let other = &bodies[j as usize];
+                let clash = self.near.of(i as usize).iter().any(|pair| {
+                    let other = &bodies[pair.other() as usize];
                     let (dx, dy) = (body.x_m - other.x_m, body.y_m - other.y_m);
                     dx * dx + dy * dy < limit * limit
                 });
@@ -210,6 +234,7 @@ impl Crowd {
             }
             for &(i, x_m, y_m) in &self.moved {
                 (bodies[i as usize].x_m, bodies[i as usize].y_m) = (x_m, y_m);
+                self.places[i as usize] = [x_m, y_m];
             }
             self.activate_moved();
         }
@@ -222,23 +247,41 @@ impl Crowd {
         let (robots, words) = (self.stamp.len(), 2 * size_of::<u32>());
         self.cells.bytes()
             + self.near.bytes_of_robots()
+            + size_of_val(&self.places[..])
             + size_of_val(&self.active[..])
             + size_of_val(&self.stamp[..])
             + robots * (size_of::<Move>() + words)
     }
 }
 
+/// Notes where bodies are.
+#[inline(always)]
+pub fn locate(bodies: &[Body], places: &mut [Place]) {
+    for (place, body) in places.iter_mut().zip(bodies) {
+        *place = [body.x_m, body.y_m];
+    }
+}
+
 /// Notes which robots of a chunk overlap any of their candidates, and says how many.
 #[inline(always)]
-fn overlapping(pairs: &[[u32; 2]], limit_m2: f32, bodies: &[Body], places: &mut [u32]) -> usize {
+fn overlapping(
+    near: &Near,
+    chunk: usize,
+    limit_m2: f32,
+    at_m: &[Place],
+    slots: &mut [u32],
+) -> usize {
+    let first = chunk * CHUNK;
     let (mut count, mut last) = (0, u32::MAX);
-    for &[i, other] in pairs {
-        let (body, other) = (&bodies[i as usize], &bodies[other as usize]);
-        let (dx, dy) = (body.x_m - other.x_m, body.y_m - other.y_m);
-        if dx * dx + dy * dy < limit_m2 && i != last {
-            places[count] = i;
+    for pair in near.of_chunk(chunk) {
+        let slot = first + pair.place();
+        let ([x_m, y_m], [ox_m, oy_m]) = (at_m[slot], at_m[pair.other() as usize]);
+        let (dx, dy) = (x_m - ox_m, y_m - oy_m);
+        let slot = slot as u32;
+        if dx * dx + dy * dy < limit_m2 && slot != last {
+            slots[count] = slot;
             count += 1;
-            last = i;
+            last = slot;
         }
     }
     count
@@ -251,15 +294,15 @@ fn push(
     near: &Near,
     contact: &Contact,
     diameter_m: f32,
+    places: &[Place],
     bodies: &[Body],
 ) -> Option<(f32, f32)> {
-    let body = &bodies[i];
-    let (x, y, [from_x, from_y]) = (body.x_m, body.y_m, body.from_m);
+    let ([x, y], [from_x, from_y]) = (places[i], bodies[i].from_m);
     let limit = diameter_m - 0.5 * OVERLAP_M;
     let (mut px, mut py, mut overlaps) = (0.0, 0.0, false);
-    for &[_, other] in near.of(i) {
-        let other = &bodies[other as usize];
-        let (dx, dy) = (x - other.x_m, y - other.y_m);
+    for other in near.of(i).iter().map(|pair| pair.other()) {
+        let [other_x, other_y] = places[other as usize];
+        let (dx, dy) = (x - other_x, y - other_y);
         let d2 = dx * dx + dy * dy;
         if d2 >= limit * limit {
             continue;
@@ -272,8 +315,9 @@ fn push(
         let depth = diameter_m - distance;
         let (nx, ny) = (dx / distance, dy / distance);
         let half = 0.5 * depth * (1.0 + contact.bounce);
-        let sx = (x - from_x) - (other.x_m - other.from_m[0]);
-        let sy = (y - from_y) - (other.y_m - other.from_m[1]);
+        let [other_from_x, other_from_y] = bodies[other as usize].from_m;
+        let sx = (x - from_x) - (other_x - other_from_x);
+        let sy = (y - from_y) - (other_y - other_from_y);
         let slip = sy * nx - sx * ny;
         let brake = 0.5 * slip.abs().min(contact.friction * depth).copysign(slip);
         px += nx * half + ny * brake;

@@ -2,8 +2,39 @@
 
 use std::f64::consts::PI;
 
+use crate::spec::MAX_ROBOTS;
+
 /// Robots of a chunk: the unit in which phases take robots, on one thread or on several.
 pub const CHUNK: usize = 128;
+
+/// A robot and a candidate of its, in one word: the robot's place in its chunk above, the other's
+/// slot below.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Pair(u32);
+
+/// Bits of a slot.
+const SLOT_BITS: u32 = 25;
+const _: () = assert!(CHUNK << SLOT_BITS == 1 << 32 && MAX_ROBOTS < 1 << SLOT_BITS);
+
+impl Pair {
+    /// A robot of a slot and another.
+    #[inline(always)]
+    pub fn new(slot: usize, other: u32) -> Self {
+        Self(((slot % CHUNK) as u32) << SLOT_BITS | other)
+    }
+
+    /// The robot's place in its chunk.
+    #[inline(always)]
+    pub fn place(self) -> usize {
+        (self.0 >> SLOT_BITS) as usize
+    }
+
+    /// The other's slot.
+    #[inline(always)]
+    pub fn other(self) -> u32 {
+        self.0 & ((1 << SLOT_BITS) - 1)
+    }
+}
 
 /// Most neighbours kept for contact: 18 discs of radius R fit with their centres within 4 R.
 const MOST_NEIGHBOURS: usize = 20;
@@ -13,7 +44,7 @@ const MOST_NEIGHBOURS: usize = 20;
 pub struct Near {
     /// Robots and their candidates, by slot within a chunk, then by cell and number of the candidate.
     /// Every chunk has room for all that its robots may have, and one more.
-    pairs: Vec<[u32; 2]>,
+    pairs: Vec<Pair>,
     /// End of each robot's pairs within its chunk, after a 0 for each chunk.
     ends: Vec<u32>,
     /// Most candidates of a robot.
@@ -22,7 +53,7 @@ pub struct Near {
 
 /// The candidates of one chunk.
 pub struct NearChunk<'a> {
-    pub(super) pairs: &'a mut [[u32; 2]],
+    pub(super) pairs: &'a mut [Pair],
     pub(super) ends: &'a mut [u32],
     pub(super) most: usize,
 }
@@ -33,7 +64,7 @@ impl Near {
         let most = most_neighbours(candidate_m, apart_m);
         let chunks = robots.div_ceil(CHUNK);
         Self {
-            pairs: vec![[0; 2]; robots * most + chunks],
+            pairs: vec![Pair::default(); robots * most + chunks],
             ends: vec![0; robots + chunks],
             most,
         }
@@ -66,7 +97,7 @@ impl Near {
 
     /// A robot and its candidates, pair by pair.
     #[inline(always)]
-    pub fn of(&self, slot: usize) -> &[[u32; 2]] {
+    pub fn of(&self, slot: usize) -> &[Pair] {
         let chunk = slot / CHUNK;
         let ends = &self.ends[slot + chunk..][..2];
         &self.pairs[chunk * self.stride()..][ends[0] as usize..ends[1] as usize]
@@ -74,7 +105,7 @@ impl Near {
 
     /// All robots of a chunk and their candidates, pair by pair.
     #[inline(always)]
-    pub fn of_chunk(&self, chunk: usize) -> &[[u32; 2]] {
+    pub fn of_chunk(&self, chunk: usize) -> &[Pair] {
         let last = ((chunk + 1) * (CHUNK + 1)).min(self.ends.len()) - 1;
         &self.pairs[chunk * self.stride()..][..self.ends[last] as usize]
     }
@@ -82,7 +113,7 @@ impl Near {
     /// Bytes set aside, as if all robots were in one chunk.
     pub fn bytes_of_robots(&self) -> usize {
         let more_chunks = self.ends.len().div_ceil(CHUNK + 1).saturating_sub(1);
-        let of_chunk = size_of::<[u32; 2]>() + size_of::<u32>();
+        let of_chunk = size_of::<Pair>() + size_of::<u32>();
         size_of_val(&self.pairs[..]) + size_of_val(&self.ends[..]) - more_chunks * of_chunk
     }
 }
@@ -108,10 +139,18 @@ mod tests {
     }
 
     #[test]
+    fn a_pair_holds_both() {
+        for (slot, other) in [(0, 0), (127, MAX_ROBOTS - 1), (128, 1), (99_999, 77)] {
+            let pair = Pair::new(slot, other);
+            assert_eq!((pair.place(), pair.other()), (slot % CHUNK, other));
+        }
+    }
+
+    #[test]
     fn chunks_hold_what_was_noted_of_their_robots() {
         for robots in [1, CHUNK - 1, CHUNK, CHUNK + 1, 3 * CHUNK + 5] {
             let mut near = Near::new(robots, 2.0, 1.0);
-            let noted = |slot: usize| (0..slot % 4).map(move |other| [slot as u32, other as u32]);
+            let noted = |slot: usize| (0..slot % 4).map(move |other| Pair::new(slot, other as u32));
             for (number, chunk) in near.chunks_mut().enumerate() {
                 let mut end = 0;
                 for place in 0..chunk.ends.len() - 1 {
@@ -122,7 +161,7 @@ mod tests {
                     chunk.ends[place + 1] = end as u32;
                 }
             }
-            let all: Vec<[u32; 2]> = (0..robots).flat_map(noted).collect();
+            let all: Vec<Pair> = (0..robots).flat_map(noted).collect();
             for slot in 0..robots {
                 assert!(near.of(slot).iter().copied().eq(noted(slot)));
             }

@@ -38,6 +38,8 @@ pub struct Phases<'a> {
     pub numbers: &'a [u32],
     /// Counter of the sensors' noise.
     pub noise: u64,
+    /// Whether what robots need of the arena comes from far.
+    pub is_large: bool,
 }
 
 /// Controllers of robots that are stored one after the other, reached by their places.
@@ -146,7 +148,18 @@ impl Phases<'_> {
     pub fn sense(&self, cells: &Cells, first: usize, bodies: &mut [Body], near: &mut NearChunk) {
         let (optics, poses) = (self.optics, self.poses);
         let mut seen: Seen = [[0.0; 2]; MOST_SEEN];
-        for (place, body) in bodies.iter_mut().enumerate() {
+        for place in 0..bodies.len() {
+            if self.is_large {
+                if let Some(body) = bodies.get(place + 2 * AHEAD) {
+                    prefetch(self.index.cell(body.x_m, body.y_m));
+                }
+                if let Some(body) = bodies.get(place + AHEAD)
+                    && let Some(list) = self.index.list(body.x_m, body.y_m)
+                {
+                    prefetch(list);
+                }
+            }
+            let body = &mut bodies[place];
             let slot = first + place;
             let (x_m, y_m) = (body.x_m, body.y_m);
             // Before the walls: who is in sight is not known at once, and needed after them.

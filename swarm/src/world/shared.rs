@@ -9,7 +9,8 @@ use super::step::{Parts, Pass, WorldCounts, count_visit};
 use crate::backend::Compiled;
 use crate::bodies::Body;
 use crate::controllers::Controllers;
-use crate::engine::cells::Cells;
+use crate::engine::cells::{Cells, Place};
+use crate::engine::crowd::locate;
 use crate::engine::near::{CHUNK, NearChunk};
 
 /// Fewest chunks that a thread takes at once.
@@ -67,7 +68,7 @@ impl World {
         let mut squares = std::mem::take(&mut self.squares);
         squares.resize(by_slot.len(), 0);
         let parts = Parts::of(self);
-        let Some((cells, near)) = parts.crowd else {
+        let Some((cells, near, places)) = parts.crowd else {
             unreachable!("a crowd of one")
         };
         let (phases, numbers) = (parts.phases, parts.phases.numbers.len());
@@ -78,9 +79,10 @@ impl World {
             .zip(near.par_chunks_mut())
             .zip(by_slot.par_chunks_mut(CHUNK))
             .zip(squares.par_chunks_mut(CHUNK))
+            .zip(places.par_chunks_mut(CHUNK))
             .enumerate()
             .with_min_len(CHUNKS)
-            .map(|(chunk, (((bodies, near), by_slot), squares))| {
+            .map(|(chunk, ((((bodies, near), by_slot), squares), places))| {
                 backend.run(Chunk::<C> {
                     phases,
                     cells,
@@ -88,6 +90,7 @@ impl World {
                     first: chunk * CHUNK,
                     bodies,
                     near,
+                    places,
                     by_slot,
                     squares: counting.then_some(squares),
                     pass,
@@ -123,6 +126,7 @@ struct Chunk<'a, 'b, C: Controllers + ?Sized> {
     first: usize,
     bodies: &'a mut [Body],
     near: NearChunk<'a>,
+    places: &'a mut [Place],
     by_slot: &'a mut [Option<&'b mut C::Robot>],
     /// Where the robots' squares are noted, if they count.
     squares: Option<&'a mut [u32]>,
@@ -157,6 +161,7 @@ impl<C: Controllers + ?Sized> Compiled for Chunk<'_, '_, C> {
         }
         if let Some(step) = self.pass.begins {
             phases.decide_and_drive::<C>(common, step, first, bodies, &mut steered, self.moves);
+            locate(bodies, self.places);
         }
         touched
     }

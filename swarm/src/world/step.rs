@@ -10,7 +10,8 @@ use crate::backend::Compiled;
 use crate::bodies::{Bodies, Body};
 use crate::controllers::{Controller, Controllers};
 use crate::engine::EngineState;
-use crate::engine::cells::Cells;
+use crate::engine::cells::{Cells, Place};
+use crate::engine::crowd::{LARGE, locate};
 use crate::engine::near::{CHUNK, Near};
 
 /// Odd, close to 2^64 / golden ratio: spreads counters over all words.
@@ -114,7 +115,7 @@ impl World {
             });
         };
         let (robots, common) = controllers.parts();
-        let Some((cells, near)) = crowd else {
+        let Some((cells, near, places)) = crowd else {
             let numbers = phases.numbers;
             let mut steered = ByNumber { robots, numbers };
             if counting {
@@ -130,7 +131,8 @@ impl World {
             return;
         };
         let chunks = bodies.chunks_mut(CHUNK).zip(near.chunks_mut());
-        for (chunk, (bodies, mut near)) in chunks.enumerate() {
+        let chunks = chunks.zip(places.chunks_mut(CHUNK));
+        for (chunk, ((bodies, mut near), places)) in chunks.enumerate() {
             let first = chunk * CHUNK;
             let numbers = &phases.numbers[first..];
             let mut steered = ByNumber { robots, numbers };
@@ -143,6 +145,7 @@ impl World {
             }
             if let Some(step) = pass.begins {
                 phases.decide_and_drive::<C>(common, step, first, bodies, &mut steered, moves);
+                locate(bodies, places);
             }
         }
     }
@@ -172,6 +175,7 @@ impl World {
                 if let Some(crowd) = crowd {
                     // rapier's contacts are soft: what is left of an overlap is parted here.
                     let (stored, _) = bodies.stored_mut();
+                    crowd.locate(stored);
                     crowd.separate(&self.contact, &self.index, stored, shared);
                     engine.correct(bodies);
                 }
@@ -193,11 +197,10 @@ impl World {
     #[inline(always)]
     pub(super) fn before_sensing(&mut self, shared: bool, swapped: impl FnMut(usize, usize)) {
         if let Some(crowd) = &mut self.crowd {
-            let bodies = self.state.bodies.stored();
             if shared {
-                crowd.cells.sort_in_strips(bodies);
+                crowd.cells.sort_in_strips(&crowd.places);
             } else {
-                crowd.cells.sort(bodies);
+                crowd.cells.sort(&crowd.places);
             }
             if self.settled_steps == 0 {
                 self.settled_steps = SETTLED_STEPS;
@@ -244,6 +247,9 @@ impl World {
     #[inline(always)]
     fn sense(&mut self) {
         let counting = std::mem::replace(&mut self.counting, false);
+        if let Some(crowd) = &mut self.crowd {
+            crowd.locate(self.state.bodies.stored());
+        }
         self.before_sensing(false, |_, _| {});
         self.counting = counting;
         let Parts {
@@ -252,7 +258,7 @@ impl World {
             crowd,
             ..
         } = Parts::of(self);
-        let Some((cells, near)) = crowd else {
+        let Some((cells, near, _)) = crowd else {
             phases.sense_alone(bodies);
             return;
         };
@@ -266,7 +272,8 @@ impl World {
     pub(super) fn find_neighbours(&mut self) {
         let Some(crowd) = &mut self.crowd else { return };
         let (bodies, numbers) = self.state.bodies.stored_mut();
-        crowd.cells.sort(bodies);
+        crowd.locate(bodies);
+        crowd.cells.sort(&crowd.places);
         crowd.note_candidates(bodies, numbers);
     }
 
@@ -306,7 +313,7 @@ pub(super) struct Parts<'a> {
     pub phases: Phases<'a>,
     pub bodies: &'a mut [Body],
     /// Where there are several robots.
-    pub crowd: Option<(&'a Cells, &'a mut Near)>,
+    pub crowd: Option<(&'a Cells, &'a mut Near, &'a mut [Place])>,
     pub counts: WorldCounts<'a>,
 }
 
@@ -342,9 +349,10 @@ impl<'a> Parts<'a> {
                 slip_keys: &world.slip_keys,
                 numbers,
                 noise: world.noise,
+                is_large: numbers.len() >= LARGE,
             },
             bodies,
-            crowd: crowd.map(|crowd| (&crowd.cells, &mut crowd.near)),
+            crowd: crowd.map(|crowd| (&crowd.cells, &mut crowd.near, &mut crowd.places[..])),
             counts: WorldCounts {
                 visits,
                 collisions,
