@@ -16,5 +16,6 @@ pub mod picture;
 pub mod recording;
 mod server;
 pub mod service;
+pub mod short;
 pub mod table;
 pub mod threads;

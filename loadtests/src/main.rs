@@ -9,7 +9,7 @@ use loadtests::cases::{self, Case};
 use loadtests::measure::{Figure, measure};
 use loadtests::{
     channels, compare, document, faults, fuzz, instructions, memory, picture, recording, service,
-    table, threads,
+    short, table, threads,
 };
 use swarm::crew::Crew;
 
@@ -60,6 +60,8 @@ enum Other {
     Http(service::Options),
     /// The service killed again and again while jobs of all kinds are posted and changed.
     Faults(faults::Options),
+    /// Runs of ten steps: how many a second through the service, and the start of the program.
+    Short(short::Options),
     /// What the server holds while many runs and jobs pass through it.
     Memory(memory::Options),
     /// Documents and checkpoints changed at random: no panic, none above two seconds.
@@ -77,6 +79,7 @@ fn main() -> Result<()> {
     match &options.other {
         Some(Other::Http(options)) => return service::run(options),
         Some(Other::Faults(options)) => return faults::run(options),
+        Some(Other::Short(options)) => return short::run(options),
         Some(Other::Memory(options)) => return memory::run(options),
         Some(Other::Fuzz(options)) => return fuzz::run(options),
         Some(Other::Threads(options)) => return threads::run(options),

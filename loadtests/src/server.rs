@@ -16,7 +16,7 @@ pub struct Server {
 }
 
 /// Beside this very program.
-fn program() -> Result<PathBuf> {
+pub fn program() -> Result<PathBuf> {
     let own = std::env::current_exe().context("where this program is")?;
     let path = own.with_file_name("evswarm");
     ensure!(path.is_file(), "{} is missing: make build", path.display());
@@ -34,7 +34,17 @@ impl Server {
 
     /// Starts a server on the data below `home`; `break_at` is its `EVSWARM_BREAK`.
     pub fn start_at(home: &Path, threads: usize, break_at: Option<&str>) -> Result<Self> {
-        let mut child = Command::new(program()?)
+        Self::start_program(&program()?, home, threads, break_at)
+    }
+
+    /// The same of another program than the one beside this.
+    pub fn start_program(
+        program: &Path,
+        home: &Path,
+        threads: usize,
+        break_at: Option<&str>,
+    ) -> Result<Self> {
+        let mut child = Command::new(program)
             .args(["serve", "--listen", "127.0.0.1:0", "--threads"])
             .arg(threads.to_string())
             .arg("--data")
@@ -96,7 +106,7 @@ impl Server {
 }
 
 /// `USER_HZ`, which is 100 on every Linux that this runs on.
-const TICKS_A_SECOND: f64 = 100.0;
+pub const TICKS_A_SECOND: f64 = 100.0;
 
 /// User and system time of a worker thread; `None` of any other thread.
 fn worker_ticks(task: &Path) -> Option<u64> {

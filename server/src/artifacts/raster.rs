@@ -27,14 +27,56 @@ pub fn png(scene: &Scene) -> Vec<u8> {
     for item in &scene.items {
         canvas.draw(item);
     }
-    // RGB without alpha: every pixel is opaque.
-    let rgb: Vec<u8> = canvas
-        .pixmap
-        .pixels()
-        .iter()
-        .flat_map(|pixel: &PremultipliedColorU8| [pixel.red(), pixel.green(), pixel.blue()])
-        .collect();
-    png_of_rgb(&rgb, scene.width_px, scene.height_px)
+    let pixels = canvas.pixmap.pixels();
+    let size = [scene.width_px, scene.height_px];
+    match Indexed::of(pixels) {
+        Some(Indexed { colours, places }) => encoded(size, &places, |encoder| {
+            encoder.set_color(png::ColorType::Indexed);
+            encoder.set_palette(colours.concat());
+            // Nothing to foresee in places; white ones are runs of 0.
+            encoder.set_filter(png::Filter::NoFilter);
+        }),
+        None => {
+            let rgb: Vec<u8> = pixels.iter().flat_map(colour).collect();
+            png_of_rgb(&rgb, scene.width_px, scene.height_px)
+        }
+    }
+}
+
+/// Every pixel is opaque.
+fn colour(pixel: &PremultipliedColorU8) -> Colour {
+    [pixel.red(), pixel.green(), pixel.blue()]
+}
+
+/// Pixels as places in a list of colours: a third of the bytes, and most of them 0.
+struct Indexed {
+    colours: Vec<Colour>,
+    places: Vec<u8>,
+}
+
+impl Indexed {
+    /// `None` when there are more than 256 colours; white is the first.
+    fn of(pixels: &[PremultipliedColorU8]) -> Option<Self> {
+        let mut colours = vec![WHITE];
+        let mut places = Vec::with_capacity(pixels.len());
+        // Where colours were found last, so that the list is seldom searched.
+        let mut found = [(WHITE, 0); 1_024];
+        for pixel in pixels {
+            let colour = colour(pixel);
+            let [red, green, blue] = colour.map(usize::from);
+            let (known, place) = &mut found[(red ^ (green << 1) ^ (blue << 2)) % 1_024];
+            if *known != colour {
+                let at = colours.iter().position(|&known| known == colour);
+                let at = at.unwrap_or_else(|| {
+                    colours.push(colour);
+                    colours.len() - 1
+                });
+                (*known, *place) = (colour, u8::try_from(at).ok()?);
+            }
+            places.push(*place);
+        }
+        Some(Self { colours, places })
+    }
 }
 
 /// Pixels as PNG, row by row from the top, three bytes each.
@@ -42,19 +84,29 @@ pub fn png(scene: &Scene) -> Vec<u8> {
 /// # Panics
 /// When there are not `width` x `height` pixels.
 pub fn png_of_rgb(rgb: &[u8], width: u32, height: u32) -> Vec<u8> {
+    encoded([width, height], rgb, |encoder| {
+        encoder.set_color(png::ColorType::Rgb);
+    })
+}
+
+fn encoded(
+    [width, height]: [u32; 2],
+    data: &[u8],
+    set: impl FnOnce(&mut png::Encoder<'_, &mut Vec<u8>>),
+) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
-    encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     // Encoding would be most of a short run otherwise.
     encoder.set_compression(png::Compression::Fast);
+    set(&mut encoder);
     #[allow(
         clippy::expect_used,
         reason = "writing to memory cannot fail, and the data has the announced size"
     )]
     encoder
         .write_header()
-        .and_then(|mut writer| writer.write_image_data(rgb))
+        .and_then(|mut writer| writer.write_image_data(data))
         .expect("a picture in memory can be encoded");
     bytes
 }
@@ -211,5 +263,53 @@ impl OutlineBuilder for Outline {
     }
     fn close(&mut self) {
         self.path.close();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+    use super::*;
+
+    /// Pixels of a PNG, three bytes each.
+    fn decoded(bytes: &[u8]) -> Vec<u8> {
+        let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));
+        decoder.set_transformations(png::Transformations::EXPAND);
+        let mut reader = decoder.read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut pixels).unwrap();
+        assert_eq!(info.color_type, png::ColorType::Rgb);
+        pixels.truncate(info.buffer_size());
+        pixels
+    }
+
+    #[test]
+    fn few_colours_are_stored_as_places_and_many_as_they_are() {
+        for colours in [1, 2, 256, 257, 2_000_u32] {
+            let rectangles = (0..colours).map(|number| Item::Rectangles {
+                rectangles: vec![[(number % 50) as f32, (number / 50) as f32, 1.0, 1.0]],
+                colour: [(number % 251) as u8, (number / 251) as u8, 7],
+            });
+            let scene = Scene {
+                width_px: 50,
+                height_px: 41,
+                items: rectangles.collect(),
+            };
+            let bytes = png(&scene);
+            let pixels = decoded(&bytes);
+            for number in 0..50 * 41 {
+                let expected = match number < colours {
+                    true => [(number % 251) as u8, (number / 251) as u8, 7],
+                    false => WHITE,
+                };
+                assert_eq!(
+                    pixels[3 * number as usize..][..3],
+                    expected,
+                    "{colours} {number}"
+                );
+            }
+            // Colour type 3 is indexed, 2 is RGB.
+            assert_eq!(bytes[25], if colours < 256 { 3 } else { 2 }, "{colours}");
+        }
     }
 }
