@@ -45,8 +45,15 @@ pub struct Setup {
 }
 
 /// The load of the other simulators' figures: new random speeds each step, mostly forward.
-struct Peer {
+pub struct Peer {
     key: u64,
+}
+
+impl Peer {
+    /// The robot of this number.
+    pub fn new(key: u64) -> Self {
+        Self { key }
+    }
 }
 
 impl Controller for Peer {
@@ -340,7 +347,7 @@ pub fn all() -> Vec<Case> {
                 move || {
                     let arena = peer_arena(robots)?;
                     let world = world(&arena, robots, Placement::Start, Kinematic)?;
-                    let controllers = (0..robots).map(|key| Peer { key }).collect();
+                    let controllers = (0..robots).map(Peer::new).collect();
                     Ok(stepped(world, controllers))
                 }
             },
@@ -405,7 +412,7 @@ pub fn all() -> Vec<Case> {
     }
     cases.push(case("rapier/peers/1", 1, Some((5.5, 5.5)), || {
         let world = world(&peer_arena(1)?, 1, Placement::Start, Rapier)?;
-        Ok(stepped(world, vec![Peer { key: 0 }]))
+        Ok(stepped(world, vec![Peer::new(0)]))
     }));
     for robots in [1, 10, 100, 1_000, 10_000, 100_000] {
         let mut rigid = case(
