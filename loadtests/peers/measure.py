@@ -32,6 +32,8 @@ PEERS = [
     Peer("libfastsim, pixels of 3 mm", "libfastsim", [], [1], 1_000_000, 200_000),
     Peer("libfastsim, pixels of 1.5 mm", "libfastsim", ["pixel_mm=1.5"], [1], 400_000, 200_000),
     Peer("Enki", "enki", [], [1, 10, 100, 1000], 100_000, 200_000),
+    Peer("ARGoS, 2 iterations", "argos", [], [1, 10, 100, 1000, 10000], 200_000, 100_000),
+    Peer("ARGoS, 10 iterations", "argos", ["iterations=10"], [1, 10, 100, 1000, 10000], 100_000, 100_000),
 ]
 OUR_ROBOT_STEPS = 2_000_000
 
