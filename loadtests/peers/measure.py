@@ -36,6 +36,7 @@ PEERS = [
     Peer("ARGoS, 10 iterations", "argos", ["iterations=10"], [1, 10, 100, 1000, 10000], 100_000, 100_000),
 ]
 OUR_ROBOT_STEPS = 2_000_000
+LEAST_CHECKED = 200  # steps; by then robots have met
 
 
 def run(command: list[str]) -> tuple[float, str]:
@@ -145,11 +146,11 @@ def check(peers, pairs, theirs, ours_check) -> None:
               f"| {float(values['ray_mm']):.0f} | {float(values['seen']):.0%} | {values['still']} |", flush=True)
 
     for robots in sorted({n for _, n in pairs}):
-        steps = max(peer.check_robot_steps for peer in peers) // robots
+        steps = max(max(peer.check_robot_steps for peer in peers) // robots, LEAST_CHECKED)
         row("evswarm", robots, steps, ours_check(robots, steps))
         for peer, n in pairs:
             if n == robots:
-                steps = peer.check_robot_steps // n
+                steps = max(peer.check_robot_steps // n, LEAST_CHECKED)
                 row(peer.name, n, steps, theirs(peer, n, "--check")(steps))
 
 

@@ -113,8 +113,9 @@ while IFS= read -r file; do
 done < <(find "$a"/src/core "$a"/src/plugins/simulator/{entities,media,physics_engines/dynamics2d} \
     "$a"/src/plugins/robots/{generic,e-puck} \( -name '*.cpp' -o -name '*.c' \) |
     grep -vE 'core/simulator/main.cpp|wrappers/lua|real_robot|qtopengl|dynamics3d' | sort)
+# Two of its libraries have a constant of one name and value.
 build argos -DARGOS_simulator_BUILD -I"$a" -I"$a/argos3/plugins/simulator/physics_engines/dynamics2d/chipmunk-physics/include" \
-    -- "${files[@]}" -- -ldl -lpthread -rdynamic
+    -- "${files[@]}" -- -ldl -lpthread -rdynamic -Wl,--allow-multiple-definition
 
 # OURS and OURS_CHECK may name binaries that are built already.
 if [ -z "${OURS:-}" ] || [ -z "${OURS_CHECK:-}" ]; then
