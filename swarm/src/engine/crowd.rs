@@ -47,7 +47,9 @@ pub struct Crowd {
     active_count: usize,
     /// Robots found in each chunk; only while several threads look.
     found: Vec<u32>,
+    /// Robots that go elsewhere, in its first `moved_count` places.
     moved: Vec<Move>,
+    moved_count: usize,
     stamp: Vec<u32>,
     round: u32,
 }
@@ -70,7 +72,8 @@ impl Crowd {
             active: vec![0; robots],
             active_count: 0,
             found: Vec::new(),
-            moved: Vec::with_capacity(robots),
+            moved: vec![STAYS; robots],
+            moved_count: 0,
             stamp: vec![0; robots],
             round: 0,
         }
@@ -105,13 +108,19 @@ impl Crowd {
     ) {
         let diameter_m = 2.0 * contact.radius_m;
         let limit_m = diameter_m - 0.5 * OVERLAP_M;
-        self.activate_overlapping(limit_m * limit_m, shared);
-        for _ in 0..ITERATIONS {
-            self.push_all(contact, index, diameter_m, bodies, shared);
-            if self.moved.is_empty() {
+        for iteration in 0..ITERATIONS {
+            if shared && iteration == 0 {
+                self.push_overlapping(contact, index, diameter_m, limit_m * limit_m, bodies);
+            } else {
+                if iteration == 0 {
+                    self.activate_overlapping(limit_m * limit_m);
+                }
+                self.push_all(contact, index, diameter_m, bodies, shared);
+            }
+            if self.moved_count == 0 {
                 return;
             }
-            for &(i, x_m, y_m) in &self.moved {
+            for &(i, x_m, y_m) in &self.moved[..self.moved_count] {
                 let body = &mut bodies[i as usize];
                 (body.x_m, body.y_m) = (x_m, y_m);
                 body.touched = true;
@@ -124,31 +133,51 @@ impl Crowd {
 
     /// Makes the robots that overlap others the active ones.
     #[inline(always)]
-    fn activate_overlapping(&mut self, limit_m2: f32, shared: bool) {
-        let chunks = self.places.len().div_ceil(CHUNK);
+    fn activate_overlapping(&mut self, limit_m2: f32) {
         let (near, at_m) = (&self.near, &self.places[..]);
         self.active_count = 0;
-        if !shared {
-            for chunk in 0..chunks {
-                let places = &mut self.active[self.active_count..];
-                self.active_count += overlapping(near, chunk, limit_m2, at_m, places);
-            }
-            return;
+        for chunk in 0..at_m.len().div_ceil(CHUNK) {
+            let slots = &mut self.active[self.active_count..];
+            self.active_count += overlapping(near, chunk, limit_m2, at_m, slots);
         }
+    }
+
+    /// Finds where the robots that overlap others go, on the threads of the present pool.
+    fn push_overlapping(
+        &mut self,
+        contact: &Contact,
+        index: &WallIndex,
+        diameter_m: f32,
+        limit_m2: f32,
+        bodies: &[Body],
+    ) {
+        let (near, at_m) = (&self.near, &self.places[..]);
+        let chunks = at_m.len().div_ceil(CHUNK);
         self.found.resize(chunks, 0);
         self.active
             .par_chunks_mut(CHUNK)
+            .zip(self.moved.par_chunks_mut(CHUNK))
             .zip(&mut self.found)
             .enumerate()
-            .with_min_len(8)
-            .for_each(|(chunk, (places, found))| {
-                *found = overlapping(near, chunk, limit_m2, at_m, places) as u32;
+            .with_min_len(4)
+            .for_each(|(chunk, ((slots, moved), found))| {
+                let overlapping = overlapping(near, chunk, limit_m2, at_m, slots);
+                *found = 0;
+                for &i in &slots[..overlapping] {
+                    let aim = push(i as usize, near, contact, diameter_m, at_m, bodies);
+                    if let Some((x_m, y_m)) = aim {
+                        let from_m = bodies[i as usize].from_m;
+                        let [x_m, y_m] = contact.free_of_walls(index, from_m, [x_m, y_m]);
+                        moved[*found as usize] = (i, x_m, y_m);
+                        *found += 1;
+                    }
+                }
             });
+        self.moved_count = 0;
         for (chunk, &found) in self.found.iter().enumerate() {
             let (from, found) = (chunk * CHUNK, found as usize);
-            self.active
-                .copy_within(from..from + found, self.active_count);
-            self.active_count += found;
+            self.moved.copy_within(from..from + found, self.moved_count);
+            self.moved_count += found;
         }
     }
 
@@ -170,34 +199,40 @@ impl Crowd {
             let [x_m, y_m] = contact.free_of_walls(index, body.from_m, [x_m, y_m]);
             Some((i, x_m, y_m))
         };
-        self.moved.clear();
+        let mut count = 0;
         if shared && active.len() >= SHARED {
-            self.moved.resize(active.len(), STAYS);
-            self.moved
+            let moved = &mut self.moved[..active.len()];
+            moved
                 .par_iter_mut()
                 .zip(active)
                 .with_min_len(SHARED / 4)
                 .for_each(|(moved, &i)| *moved = push(i).unwrap_or(STAYS));
-            self.moved.retain(|moved| moved.0 != STAYS.0);
+            for place in 0..moved.len() {
+                moved[count] = moved[place];
+                count += usize::from(moved[place].0 != STAYS.0);
+            }
         } else {
             let is_large = bodies.len() >= LARGE;
-            self.moved
-                .extend(active.iter().enumerate().filter_map(|(place, &i)| {
-                    if is_large && let Some(&later) = active.get(place + 8) {
-                        prefetch(&bodies[later as usize].from_m);
-                        let [x_m, y_m] = places[later as usize];
-                        prefetch(index.cell(x_m, y_m));
-                    }
-                    push(i)
-                }));
+            for (place, &i) in active.iter().enumerate() {
+                if is_large && let Some(&later) = active.get(place + 8) {
+                    prefetch(&bodies[later as usize].from_m);
+                    let [x_m, y_m] = places[later as usize];
+                    prefetch(index.cell(x_m, y_m));
+                }
+                if let Some(moved) = push(i) {
+                    self.moved[count] = moved;
+                    count += 1;
+                }
+            }
         }
+        self.moved_count = count;
     }
 
     /// Makes the robots that moved, and their neighbours, the active ones.
     fn activate_moved(&mut self) {
         self.round = self.round.wrapping_add(1);
         self.active_count = 0;
-        for &(i, _, _) in &self.moved {
+        for &(i, _, _) in &self.moved[..self.moved_count] {
             let near = self.near.of(i as usize);
             for who in std::iter::once(i).chain(near.iter().map(|pair| pair.other())) {
                 if self.stamp[who as usize] != self.round {
@@ -214,7 +249,7 @@ impl Crowd {
     fn send_back(&mut self, diameter_m: f32, bodies: &mut [Body]) {
         let limit = diameter_m - OVERLAP_M;
         loop {
-            self.moved.clear();
+            self.moved_count = 0;
             for &i in &self.active[..self.active_count] {
                 let body = &bodies[i as usize];
                 if [body.x_m, body.y_m] == body.from_m {
@@ -226,13 +261,14 @@ impl Crowd {
                     dx * dx + dy * dy < limit * limit
                 });
                 if clash {
-                    self.moved.push((i, body.from_m[0], body.from_m[1]));
+                    self.moved[self.moved_count] = (i, body.from_m[0], body.from_m[1]);
+                    self.moved_count += 1;
                 }
             }
-            if self.moved.is_empty() {
+            if self.moved_count == 0 {
                 return;
             }
-            for &(i, x_m, y_m) in &self.moved {
+            for &(i, x_m, y_m) in &self.moved[..self.moved_count] {
                 (bodies[i as usize].x_m, bodies[i as usize].y_m) = (x_m, y_m);
                 self.places[i as usize] = [x_m, y_m];
             }

@@ -3,12 +3,13 @@
 
 use rayon::prelude::*;
 
-use super::World;
 use super::phases::{BySlot, Moves, Phases};
-use super::step::{Parts, Pass, WorldCounts, count_visit};
+use super::step::{Parts, Pass, count_visit};
+use super::{World, WorldState};
 use crate::backend::Compiled;
 use crate::bodies::Body;
 use crate::controllers::Controllers;
+use crate::engine::EngineState;
 use crate::engine::cells::{Cells, Place};
 use crate::engine::crowd::locate;
 use crate::engine::near::{CHUNK, NearChunk};
@@ -37,18 +38,34 @@ impl World {
             for (robot, &slot) in robots.iter_mut().zip(self.state.bodies.slots()) {
                 by_slot[slot as usize] = Some(robot);
             }
+            let mut uncounted = false;
             for left in (0..steps).rev() {
                 if left + 1 == steps {
                     let pass = Pass::beginning(self.state.step);
                     self.pass_shared::<C>(common, &mut by_slot, pass);
                 }
-                self.collide(true);
+                if uncounted {
+                    self.collide_and_count();
+                } else {
+                    self.collide(true);
+                }
                 self.before_sensing(true, |a, b| by_slot.swap(a, b));
                 let pass = Pass::ending::<C>(self.state.step + 1, left);
                 self.pass_shared::<C>(common, &mut by_slot, pass);
+                uncounted = self.counting;
                 self.state.step += 1;
             }
             drop(by_slot);
+            if uncounted {
+                let Self {
+                    state,
+                    arrivals,
+                    squares,
+                    ..
+                } = self;
+                count(&mut state.visits, squares, arrivals);
+                self.after_accounting();
+            }
             if C::ENDS_STEPS {
                 controllers.end_step(self.state.step - 1, &self.state.bodies);
             }
@@ -99,21 +116,46 @@ impl World {
             })
             .sum();
         if counting {
-            let WorldCounts {
-                visits,
-                collisions,
-                arrivals,
-            } = parts.counts;
-            *collisions += touched;
-            for (slot, &square) in squares.iter().enumerate() {
-                if count_visit(visits, square & !ENTERED, square & ENTERED != 0) {
-                    arrivals.push(slot as u32);
-                }
-            }
+            *parts.counts.collisions += touched;
         }
         self.squares = squares;
-        if pass.ends {
-            self.after_accounting();
+    }
+
+    /// Lets robots that were driven meet each other, while the squares in which they ended the step
+    /// before are counted.
+    fn collide_and_count(&mut self) {
+        let Self {
+            state: WorldState { bodies, visits, .. },
+            engine,
+            crowd,
+            contact,
+            index,
+            arrivals,
+            squares,
+            ..
+        } = self;
+        match (engine, crowd) {
+            (EngineState::Kinematic, Some(crowd)) => {
+                let (bodies, _) = bodies.stored_mut();
+                rayon::join(
+                    || count(visits, squares, arrivals),
+                    || crowd.separate(contact, index, bodies, true),
+                );
+            }
+            _ => {
+                count(visits, squares, arrivals);
+                self.collide(true);
+            }
+        }
+        self.after_accounting();
+    }
+}
+
+/// Counts a step in each of the squares that robots have noted by slot.
+fn count(visits: &mut [[u32; 2]], squares: &[u32], arrivals: &mut Vec<u32>) {
+    for (slot, &square) in squares.iter().enumerate() {
+        if count_visit(visits, square & !ENTERED, square & ENTERED != 0) {
+            arrivals.push(slot as u32);
         }
     }
 }
