@@ -23,7 +23,8 @@ pub enum Event {
     Job(Box<Job>),
     /// A job was deleted; heard by listeners to all.
     Gone(JobGone),
-    /// The run as it is: at first, and whenever older changes of state are not kept any more.
+    /// The run as it is: at first, whenever it begins or ends to wait for another program, and
+    /// whenever older changes of state are not kept any more.
     Run(Box<RunSummary>),
     /// How far the run is.
     Progress(Progress),

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::result::RunResult;
-use crate::state::{Progress, State};
+use crate::state::{Progress, State, WaitsFor};
 
 /// How many runs of a job are in each state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -76,6 +76,12 @@ pub struct RunSummary {
     pub results_version: u32,
     /// Where it is in its life.
     pub state: State,
+    /// Whom it waits for, for 0.3 s or longer, while a worker holds it; null otherwise.
+    #[serde(default)]
+    pub waits_for: Option<WaitsFor>,
+    /// Seconds that it has waited; null where it does not wait.
+    #[serde(default)]
+    pub waited_s: Option<f64>,
     /// How far it is; null before it starts.
     pub progress: Option<Progress>,
     /// What it found; null until it is done.

@@ -48,6 +48,6 @@ pub use spec::{
     ArenaRef, ControllerSpec, JobPart, JobSpec, PlacementSpec, RecordSpec, RobotSpec, RunSpec,
     SCHEMA, Seeds, SharingSpec, StartSpec, TrainSpec,
 };
-pub use state::{Progress, State};
+pub use state::{Progress, State, WaitsFor};
 pub use summary::JobSummary;
 pub use workers::{Worker, Workers};

@@ -74,6 +74,16 @@ impl std::fmt::Display for State {
     }
 }
 
+/// Whom a run waits for that a worker holds. It waits at a step boundary, and goes on by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum WaitsFor {
+    /// Readers of its lossless channel, that are to come or lag behind.
+    LosslessReaders,
+    /// The programs that steer its robots.
+    Controllers,
+}
+
 /// How far a run is. Steps are robot-steps, uncounted phases included.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Progress {

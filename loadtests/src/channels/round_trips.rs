@@ -77,7 +77,7 @@ fn measure(
     let seconds = options.seconds * options.rounds.max(1) as f64;
     let mut ask = |run: &mut Run| -> Result<f64> {
         let asked = Instant::now();
-        external.steer(run)?;
+        external.steer(run, &())?;
         let took = asked.elapsed().as_secs_f64() * 1e6;
         run.advance(1);
         Ok(took)

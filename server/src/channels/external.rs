@@ -4,6 +4,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use api::WaitsFor;
 use api::controller::{ControllerError, bell, node, service, transport};
 use api::external::{Answered, Asked, EXTERNAL_VERSION, RobotSense, Side, WheelCommand, share};
 use iceoryx2::pending_response::PendingResponse;
@@ -17,6 +18,7 @@ use swarm::world::Body;
 
 use super::port::create_private_folder;
 use super::room::{self, NoRoom};
+use crate::runner::{Attendant, Wait};
 
 /// How long an answer is waited for awake, before the run sleeps until the bell rings.
 const SPIN: Duration = Duration::from_micros(20);
@@ -53,6 +55,9 @@ pub enum AskError {
         /// Which field, what is allowed.
         why: String,
     },
+    /// The run is to be let go.
+    #[error("the run is let go")]
+    LetGo,
     /// Shared memory is full.
     #[error(transparent)]
     NoRoom(#[from] NoRoom),
@@ -124,6 +129,7 @@ impl Part {
         controller: usize,
         arena_step: u64,
         until: Instant,
+        wait: &mut Wait<'_>,
         commands: &mut [[f32; 2]],
     ) -> Result<bool, AskError> {
         let Some(pending) = &self.pending else {
@@ -162,7 +168,11 @@ impl Part {
                 std::hint::spin_loop();
                 continue;
             }
-            let sleep = SLEEP.min(until - now);
+            if !wait.look_around() {
+                self.pending = None;
+                return Err(AskError::LetGo);
+            }
+            let sleep = SLEEP.min(until.saturating_duration_since(Instant::now()));
             transport("waiting", self.answered.timed_wait(|_| {}, sleep))?;
         }
     }
@@ -239,17 +249,20 @@ impl External {
         }))
     }
 
-    /// Asks for the next step of a run, and steers it by the answers.
+    /// Asks for the next step of a run, and steers it by the answers; somebody attends to the run
+    /// while it waits for them.
     ///
     /// # Errors
     /// When there is none that can be used; the run is as it was.
-    pub fn steer(&mut self, run: &mut Run) -> Result<(), AskError> {
+    pub fn steer(&mut self, run: &mut Run, attendant: &dyn Attendant) -> Result<(), AskError> {
         let asked = self.sense(run);
         let deadline = match self.is_first {
             true => self.deadline.max(FIRST),
             false => self.deadline,
         };
-        let answered = self.ask(asked, deadline);
+        let mut wait = Wait::new(attendant, run, WaitsFor::Controllers);
+        let answered = self.ask(asked, deadline, &mut wait);
+        drop(wait);
         if answered.is_err() {
             // Whoever was killed is not waited for the next time.
             self.node.try_cleanup_dead_nodes();
@@ -297,7 +310,12 @@ impl External {
         }
     }
 
-    fn ask(&mut self, asked: Asked, deadline: Duration) -> Result<(), AskError> {
+    fn ask(
+        &mut self,
+        asked: Asked,
+        deadline: Duration,
+        wait: &mut Wait<'_>,
+    ) -> Result<(), AskError> {
         let until = Instant::now() + deadline;
         for (number, part) in self.parts.iter_mut().enumerate() {
             let (first, count) = part.robots;
@@ -310,6 +328,9 @@ impl External {
                 if Instant::now() >= until {
                     return Err(AskError::Absent(number));
                 }
+                if !wait.look_around() {
+                    return Err(AskError::LetGo);
+                }
                 std::thread::sleep(LOOK);
             }
         }
@@ -317,7 +338,8 @@ impl External {
         for (controller, part) in self.parts.iter_mut().enumerate() {
             let (first, count) = part.robots;
             let commands = &mut self.commands[first..first + count];
-            if count > 0 && !part.receive(node, controller, asked.arena_step, until, commands)? {
+            let step = asked.arena_step;
+            if count > 0 && !part.receive(node, controller, step, until, wait, commands)? {
                 return Err(AskError::Late {
                     controller,
                     deadline_ms: deadline.as_millis(),

@@ -1,9 +1,11 @@
 //! Frames of which none is lost: sent by the run's thread, which waits for readers that lag behind.
 //! A reader that is stopped cannot hold a run: after a time the channel is closed, and the run goes on.
 
+use std::cell::RefCell;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use api::WaitsFor;
 use api::channels::run_service;
 use api::frames::{FrameHeader, RobotState};
 use iceoryx2::prelude::*;
@@ -11,10 +13,11 @@ use swarm::run::Run;
 
 use super::extent::Extent;
 use super::frame::{FrameInfo, robot_state};
-use super::patience::{Patience, Wanted};
+use super::patience::{LOOK_AROUND, Patience, Wanted};
 use super::port::{Channel, ChannelError, Quality, SendFailure, open_node};
 use super::room;
 use super::set::LosslessSettings;
+use crate::runner::{Attendant, Wait};
 
 /// Time between two looks for the readers that are waited for.
 const REST: Duration = Duration::from_micros(200);
@@ -67,13 +70,14 @@ impl Lossless {
         self.wanted.is_so()
     }
 
-    /// Waits for the readers that were asked for. Returns whether all came in time, or are not
-    /// wanted any more.
-    pub(super) fn await_readers(&mut self) -> bool {
+    /// Waits for the readers that were asked for, before this moment of the run. Returns whether all
+    /// came in time, or are not wanted any more.
+    pub(super) fn await_readers(&mut self, run: &Run, attendant: &dyn Attendant) -> bool {
+        let mut wait = Wait::new(attendant, run, WaitsFor::LosslessReaders);
         let since = Instant::now();
         let timeout = Duration::from_millis(u64::from(self.settings.timeout_ms));
         while self.channel.readers() < self.settings.readers as usize {
-            if !self.wanted.is_so() {
+            if !wait.look_around() || !self.wanted.is_so() {
                 return true;
             }
             if since.elapsed() >= timeout {
@@ -90,8 +94,13 @@ impl Lossless {
         self.is_watched.then(|| (step / every + 1) * every)
     }
 
-    /// Sends the present moment, if it is one of those that were asked for.
-    pub(super) fn offer(&mut self, run: &Run) -> Result<(), SendFailure> {
+    /// Sends the present moment, if it is one of those that were asked for. Somebody attends to the
+    /// run while it waits for readers.
+    pub(super) fn offer(
+        &mut self,
+        run: &Run,
+        attendant: &dyn Attendant,
+    ) -> Result<(), SendFailure> {
         self.is_watched = self.channel.is_watched();
         let step = run.step();
         let is_due = step.is_multiple_of(u64::from(self.settings.every_steps));
@@ -102,8 +111,12 @@ impl Lossless {
         let robots = run.robots();
         let mut header = FrameInfo::of(run).header(robots.len());
         header.sequence = self.sent;
-        self.channel.send_each(header, robots.len(), |number| {
-            robot_state(number, &robots[number])
+        let wait = RefCell::new(Wait::new(attendant, run, WaitsFor::LosslessReaders));
+        let look_around = || wait.borrow_mut().look_around();
+        LOOK_AROUND.set(&look_around, || {
+            self.channel.send_each(header, robots.len(), |number| {
+                robot_state(number, &robots[number])
+            })
         })?;
         self.sent += 1;
         Ok(())

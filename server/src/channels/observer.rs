@@ -17,7 +17,7 @@ use super::publisher::FramePublisher;
 use super::reports::{Coverage, Metrics, Status};
 use super::set::ChannelSet;
 use super::settings::ChannelSettings;
-use crate::runner::{Ended, Observer, Stop};
+use crate::runner::{Attendant, Ended, Observer, Stop};
 
 /// Time after which a channel that could not be opened is tried again.
 const AGAIN: Duration = Duration::from_secs(10);
@@ -25,13 +25,14 @@ const AGAIN: Duration = Duration::from_secs(10);
 const LOOK: Duration = Duration::from_millis(50);
 
 /// The channels of a run. Fields are dropped in this order; ports before their node.
-pub struct RunChannels {
+pub struct RunChannels<'a> {
     settings: ChannelSettings,
     run_id: String,
     extent: Extent,
     by_spec: ChannelSet,
     desk: Arc<Desk>,
     stopping: Arc<AtomicBool>,
+    attendant: &'a dyn Attendant,
     seen: Option<u64>,
     again: Option<Instant>,
     looked: Option<Instant>,
@@ -44,9 +45,9 @@ pub struct RunChannels {
     node: Option<Node<ipc::Service>>,
 }
 
-impl RunChannels {
+impl<'a> RunChannels<'a> {
     /// The channels of a run of which the spec wants some; `desk` says what else is wanted, and
-    /// `stopping` that the run is to be let go.
+    /// `stopping` that the run is to be let go; the attendant has it while it waits for readers.
     pub fn new(
         settings: &ChannelSettings,
         run_id: &str,
@@ -54,6 +55,7 @@ impl RunChannels {
         by_spec: ChannelSet,
         desk: Arc<Desk>,
         stopping: Arc<AtomicBool>,
+        attendant: &'a dyn Attendant,
     ) -> Self {
         Self {
             settings: settings.clone(),
@@ -62,6 +64,7 @@ impl RunChannels {
             by_spec,
             desk,
             stopping,
+            attendant,
             seen: None,
             again: None,
             looked: None,
@@ -120,7 +123,7 @@ impl RunChannels {
                 let root = &self.settings.root;
                 let opened = Lossless::open(root, &self.run_id, self.extent, settings, asked);
                 self.lossless = self.told(&["lossless"], opened);
-                self.await_readers();
+                self.await_readers(run);
             }
         }
         let kept = [
@@ -170,11 +173,11 @@ impl RunChannels {
         opened.ok()
     }
 
-    fn await_readers(&mut self) {
+    fn await_readers(&mut self, run: &Run) {
         let Some(lossless) = &mut self.lossless else {
             return;
         };
-        if !lossless.await_readers() {
+        if !lossless.await_readers(run, self.attendant) {
             let settings = lossless.settings();
             self.close_lossless(&format!(
                 "{} readers did not come within {} ms",
@@ -199,7 +202,7 @@ impl RunChannels {
             return;
         };
         let timeout_ms = lossless.settings().timeout_ms;
-        match lossless.offer(run) {
+        match lossless.offer(run, self.attendant) {
             Ok(()) => {}
             // It will be closed.
             Err(_) if !lossless.is_wanted() => {}
@@ -236,7 +239,7 @@ impl RunChannels {
     }
 }
 
-impl Observer for RunChannels {
+impl Observer for RunChannels<'_> {
     fn begin(&mut self, run: &Run) -> Result<(), Stop> {
         self.after_block(run, &run.progress())
     }
@@ -279,7 +282,7 @@ impl Observer for RunChannels {
     }
 }
 
-impl Drop for RunChannels {
+impl Drop for RunChannels<'_> {
     fn drop(&mut self) {
         self.desk.close_all();
     }

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use iceoryx2::port::{BackpressureAction, BackpressureInfo};
 use iceoryx2::prelude::*;
+use scoped_tls_hkt::scoped_thread_local;
 
 use super::desk::Desk;
 use super::set::LosslessSettings;
@@ -16,6 +17,13 @@ use super::set::LosslessSettings;
 const LOOK_FOR_DEAD: Duration = Duration::from_millis(200);
 /// Sleep while a reader is waited for.
 const REST: Duration = Duration::from_micros(200);
+
+scoped_thread_local! {
+    /// What the thread that sends does while it waits, and whether it goes on waiting. The transport
+    /// keeps whoever decides about readers for as long as the channel is open, so what lasts for one
+    /// frame cannot be told otherwise.
+    pub(super) static LOOK_AROUND: for<'a> &'a dyn Fn() -> bool
+}
 
 /// Whether to go on waiting for readers of a lossless channel.
 #[derive(Clone)]
@@ -84,7 +92,8 @@ impl Patience {
 
     /// What to do about a reader whose buffer is full. It is asked again until there is room.
     pub(super) fn decide(&self, info: &BackpressureInfo) -> BackpressureAction {
-        if !self.wanted.is_so() || info.elapsed_time >= self.timeout {
+        let goes_on = !LOOK_AROUND.is_set() || LOOK_AROUND.with(|look_around| look_around());
+        if !goes_on || !self.wanted.is_so() || info.elapsed_time >= self.timeout {
             return BackpressureAction::DiscardDataAndFail;
         }
         let mut looked = self.looked.lock().unwrap_or_else(PoisonError::into_inner);

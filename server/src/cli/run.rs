@@ -18,7 +18,7 @@ use crate::artifacts::{self, Finished, Timing};
 use crate::channels::{ChannelSet, ChannelSettings, Desk, Extent, External, RunChannels};
 use crate::documents::{self, BuiltinArenas, MOST_RECORDING_BYTES, ResolvedRun, Stretch};
 use crate::recording::{self, Begun, SharedRecorder, Tail};
-use crate::runner::{self, Checkpoints, Ended, MemoryBound, Pilot, Threads, Waits};
+use crate::runner::{self, Attendant, Checkpoints, Ended, MemoryBound, Pilot, Threads, Waits};
 use crate::scheduler::findings_of;
 use crate::stop::Stop;
 
@@ -231,7 +231,7 @@ pub(super) fn wrong(errors: Vec<swarm::spec::FieldError>) -> Failure {
 }
 
 /// The run's channels for local programs, if its spec asks for them.
-fn channels(spec: &ResolvedRun) -> Option<RunChannels> {
+fn channels(spec: &ResolvedRun) -> Option<RunChannels<'static>> {
     if !spec.channels() {
         return None;
     }
@@ -244,6 +244,7 @@ fn channels(spec: &ResolvedRun) -> Option<RunChannels> {
         ChannelSet::of_spec(true),
         Arc::<Desk>::default(),
         Arc::default(),
+        &(),
     ))
 }
 
@@ -252,7 +253,7 @@ fn finish(
     work: &mut Work,
     pilot: Option<&mut dyn Pilot>,
     checkpoint: &Arc<Checkpoint>,
-    mut channels: Option<RunChannels>,
+    mut channels: Option<RunChannels<'_>>,
     (threads, run_memory_bytes): (usize, u64),
     stop: &Stop,
 ) -> anyhow::Result<Option<Outcome>> {
@@ -367,10 +368,17 @@ impl<'a> Patient<'a> {
     }
 }
 
+/// Nobody looks at a run of this process while it waits.
+impl Attendant for Stop {
+    fn is_stopping(&self) -> bool {
+        self.is_asked()
+    }
+}
+
 impl Pilot for Patient<'_> {
     fn steer(&mut self, run: &mut Run) -> Result<(), runner::Stop> {
         loop {
-            match self.external.steer(run) {
+            match self.external.steer(run, self.stop) {
                 Ok(()) => {
                     self.has_said = false;
                     return Ok(());

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use api::Job;
 use api::events::{Event, StateChange};
+use api::{Job, WaitsFor};
 use tokio::time::Instant;
 
 use super::hub::{Hub, Place, TooManyListeners};
@@ -45,6 +45,8 @@ struct State {
     job: Option<Job>,
     /// The look at all jobs that was told last.
     all: Option<u64>,
+    /// Whom the run waits for.
+    waits_for: Option<WaitsFor>,
     robot_steps: Option<u64>,
     epochs: u32,
     metrics_steps: u64,
@@ -73,6 +75,7 @@ impl Feed {
                 is_behind: false,
                 job: None,
                 all: None,
+                waits_for: None,
                 robot_steps: None,
                 epochs: 0,
                 metrics_steps: 0,
@@ -181,7 +184,8 @@ impl State {
         Ok(there.then_some(told))
     }
 
-    /// Whether the run is there. How it is is wanted at first, and its result at the end.
+    /// Whether the run is there. How it is is wanted at first, when it begins or ends to wait for
+    /// another program, and its result at the end.
     fn look_at_run(
         &mut self,
         key: RunKey,
@@ -189,7 +193,9 @@ impl State {
         is_wanted: bool,
         told: &mut Vec<Told>,
     ) -> Result<bool, StoreError> {
-        if is_wanted {
+        let waits_for = self.hub.scheduler.waiting(key).map(|(whom, _)| whom);
+        let is_other = std::mem::replace(&mut self.waits_for, waits_for) != waits_for;
+        if is_wanted || is_other {
             let Some(view) = self.hub.store.run_by_key(key)? else {
                 return Ok(false);
             };

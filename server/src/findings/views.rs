@@ -42,6 +42,8 @@ pub fn run(view: &RunView, scheduler: &Scheduler) -> RunSummary {
         }),
         RunState::Failed { .. } | RunState::Damaged { .. } | RunState::Cancelled => None,
     };
+    let is_running = view.state.state() == State::Running;
+    let waits = is_running.then(|| scheduler.waiting(view.seq)).flatten();
     RunSummary {
         id: view.id.clone(),
         job_id: view.job.to_string(),
@@ -52,6 +54,8 @@ pub fn run(view: &RunView, scheduler: &Scheduler) -> RunSummary {
         label: view.label.clone(),
         results_version: view.results_version,
         state: view.state.state(),
+        waits_for: waits.map(|(waits_for, _)| waits_for),
+        waited_s: waits.map(|(_, since)| since.elapsed().as_secs_f64()),
         progress,
         result: view.result().cloned(),
         cpu_ns_per_robot_step: view.cpu_ns_per_robot_step,

@@ -11,6 +11,7 @@ mod pilot;
 #[cfg(test)]
 mod tests;
 mod threads;
+mod waiting;
 
 use swarm::crew::Crew;
 use swarm::run::{Phase, Run};
@@ -23,6 +24,7 @@ pub use pace::Pace;
 pub use pause::PauseAt;
 pub use pilot::Pilot;
 pub use threads::Threads;
+pub use waiting::{Attendant, Wait};
 
 /// Steps a run to its end, until `is_stopping` says so between two blocks, or until an observer
 /// stops it. Observers are asked in their order.

@@ -11,6 +11,7 @@ use swarm::run::{Progress, Run};
 use super::SchedulerConfig;
 use super::counters::{CountedSteps, Counters};
 use super::live::{LiveRun, Views, findings_of};
+use super::onlookers::Onlookers;
 use super::spread::Spread;
 use crate::artifacts::{run_result, thread_cpu_s};
 use crate::channels::{AskError, ChannelSet, Desk, Extent, External, Fate, RunChannels};
@@ -18,7 +19,9 @@ use crate::documents::{ResolvedRun, Stretch, resolve_stored};
 use crate::recording::{
     Begun, Keeper, SharedRecorder, Tail, begin, begin_at_origin, finish, first_whole_epoch, header,
 };
-use crate::runner::{self, Checkpoints, MemoryBound, PauseAt, Pilot, Stop, Threads, Waits};
+use crate::runner::{
+    self, Attendant, Checkpoints, MemoryBound, PauseAt, Pilot, Stop, Threads, Waits,
+};
 use crate::store::{Checkpoint, ClaimedRun, Finished, Position, Store};
 use crate::watching::Watched;
 
@@ -54,16 +57,7 @@ pub fn attempt(
         Ok(Begun { run, recorder }) => (run, recorder),
         Err(reason) => return Ended::Failed(reason),
     };
-    let extent = Extent::of(&resolved.run_spec());
-    let mut channels = RunChannels::new(
-        &config.channels,
-        &claimed.id,
-        extent,
-        ChannelSet::of_spec(resolved.channels()),
-        Arc::clone(&desk),
-        Arc::clone(live.stop_flag()),
-    );
-    let mut external = match External::open(&config.channels.root, &claimed.id, run.spec()) {
+    let external = match External::open(&config.channels.root, &claimed.id, run.spec()) {
         Ok(external) => external,
         Err(error) => {
             desk.say("external", Some(Fate::Closed(error.to_string())));
@@ -73,11 +67,10 @@ pub fn attempt(
     if external.is_some() {
         desk.say("external", Some(Fate::Open));
     }
-    let pilot = external.as_mut().map(|external| external as &mut dyn Pilot);
     let done_before = run.progress().robot_steps_done;
-    let mut views = Views::new(live, done_before);
-    let take = |run: &Run| (checkpoint_of(run), recorder.tail());
-    let mut checkpoints = Checkpoints::new(take, {
+    let recorded = recorder.clone();
+    let take = move |run: &Run| (checkpoint_of(run), recorded.tail());
+    let checkpoints = Checkpoints::new(take, {
         let (store, id) = (Arc::clone(store), claimed.id.clone());
         let saves = Arc::clone(live.saves());
         let counters = counters.clone();
@@ -90,7 +83,28 @@ pub fn attempt(
         let saves = Arc::clone(live.saves());
         move || saves.is_asked()
     });
-    let mut watched = Watched::new(&live.window, run.robots().len());
+    let onlookers = Onlookers::new(
+        live,
+        vec![
+            Box::new(Views::new(live, done_before)),
+            Box::new(Watched::new(&live.window, run.robots().len())),
+            Box::new(checkpoints),
+        ],
+    );
+    let mut channels = RunChannels::new(
+        &config.channels,
+        &claimed.id,
+        Extent::of(&resolved.run_spec()),
+        ChannelSet::of_spec(resolved.channels()),
+        Arc::clone(&desk),
+        Arc::clone(live.stop_flag()),
+        &onlookers,
+    );
+    let mut steered = external.map(|external| Steered {
+        external,
+        attendant: &onlookers,
+    });
+    let pilot = steered.as_mut().map(|steered| steered as &mut dyn Pilot);
     let mut recording = recorder.clone();
     let mut keeper = config.keep_every_epochs.map(|every| {
         let directory = store.recordings().of(&claimed.id);
@@ -111,15 +125,12 @@ pub fn attempt(
             &mut memory,
             &mut steps,
             &mut channels,
-            &mut views,
-            &mut watched,
-            &mut checkpoints,
+            &mut &onlookers,
             &mut pause,
             &mut recording,
             &mut keeper,
         ],
     );
-    drop(checkpoints);
     let cpu_s = thread_cpu_s() - cpu_s + threads.as_ref().map_or(0.0, Threads::cpu_s);
     let steps = run.progress().robot_steps_done - done_before;
     if steps > 0 {
@@ -149,9 +160,19 @@ pub fn attempt(
     }
 }
 
-impl Pilot for External {
+/// Programs that steer a run, and who attends to it while it waits for them.
+struct Steered<'a> {
+    external: External,
+    attendant: &'a dyn Attendant,
+}
+
+impl Pilot for Steered<'_> {
     fn steer(&mut self, run: &mut Run) -> Result<(), Stop> {
-        External::steer(self, run).map_err(|error| Stop::Wait(waits(&error)))
+        let steered = self.external.steer(run, self.attendant);
+        steered.map_err(|error| match error {
+            AskError::LetGo => Stop::LetGo,
+            error => Stop::Wait(waits(&error)),
+        })
     }
 }
 

@@ -3,13 +3,18 @@
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
+use api::WaitsFor;
 use swarm::run::{Progress, Run};
 
 use crate::runner::{Observer, Pace, Stop};
 use crate::store::Findings;
 use crate::watching::Window;
+
+/// How long a run waits before it is shown to: whoever is in step with it makes it wait again and
+/// again, which says nothing.
+const SHOWN_AFTER: Duration = Duration::from_millis(300);
 
 /// A run at one moment.
 #[derive(Clone, Debug)]
@@ -85,6 +90,7 @@ pub struct LiveRun {
     view: Mutex<Option<Arc<View>>>,
     pace: Mutex<Option<f64>>,
     saves: Arc<Saves>,
+    waits: Mutex<Option<(WaitsFor, Instant)>>,
     /// Where others can look at it.
     pub window: Window,
 }
@@ -98,6 +104,7 @@ impl LiveRun {
             view: Mutex::default(),
             pace: Mutex::new(pace),
             saves: Arc::default(),
+            waits: Mutex::default(),
             window: Window::default(),
         }
     }
@@ -115,6 +122,22 @@ impl LiveRun {
     /// Says how many robot-steps a second the run did, its preparation included.
     pub fn set_pace(&self, pace: f64) {
         *self.pace.lock().unwrap_or_else(PoisonError::into_inner) = Some(pace);
+    }
+
+    /// Whom it waits for, and since when, once it has waited for so long that it says something.
+    pub fn waiting(&self) -> Option<(WaitsFor, Instant)> {
+        let waits = *self.waits.lock().unwrap_or_else(PoisonError::into_inner);
+        waits.filter(|(_, since)| since.elapsed() >= SHOWN_AFTER)
+    }
+
+    /// Says that it has waited since then.
+    pub fn waits(&self, waits_for: WaitsFor, since: Instant) {
+        *self.waits.lock().unwrap_or_else(PoisonError::into_inner) = Some((waits_for, since));
+    }
+
+    /// Says that it waits no longer.
+    pub fn goes_on(&self) {
+        *self.waits.lock().unwrap_or_else(PoisonError::into_inner) = None;
     }
 
     /// Checkpoints that are asked for.
@@ -236,6 +259,19 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
+
+    #[test]
+    fn a_wait_is_shown_once_it_lasts() {
+        let live = LiveRun::new(None);
+        let now = Instant::now();
+        live.waits(WaitsFor::Controllers, now);
+        assert_eq!(live.waiting(), None);
+        let since = now.checked_sub(SHOWN_AFTER).unwrap();
+        live.waits(WaitsFor::Controllers, since);
+        assert_eq!(live.waiting(), Some((WaitsFor::Controllers, since)));
+        live.goes_on();
+        assert_eq!(live.waiting(), None);
+    }
 
     #[test]
     fn speed_follows_the_run() {

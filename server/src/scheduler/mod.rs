@@ -15,6 +15,7 @@ mod counters;
 mod fork_tests;
 mod forks;
 mod live;
+mod onlookers;
 mod progress;
 mod queue;
 mod retention;

@@ -5,8 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
+use api::WaitsFor;
 use swarm::run::Run;
 use tokio::sync::oneshot;
 
@@ -194,6 +195,11 @@ impl Scheduler {
     /// The latest view of a run that a worker holds.
     pub fn view(&self, run: RunKey) -> Option<Arc<View>> {
         self.shared.state().live.get(&run)?.view()
+    }
+
+    /// Whom a run that a worker holds waits for, and since when.
+    pub fn waiting(&self, run: RunKey) -> Option<(WaitsFor, Instant)> {
+        self.shared.state().live.get(&run)?.waiting()
     }
 
     /// Somebody who looks at a run from now on, where a worker holds it.

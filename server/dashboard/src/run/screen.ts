@@ -25,6 +25,7 @@ const ROBOT_EVERY_MS = 100;
 const LEARNT_EVERY_MS = 1_000;
 const FINDINGS_EVERY_MS = 2_000;
 const ENDED = ["done", "failed", "cancelled"];
+const WAITS_FOR = { lossless_readers: "readers of its lossless channel", controllers: "the programs that steer it" };
 
 /** A file of a run, as the server's own table lists it. */
 interface RunFile {
@@ -42,6 +43,7 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
   const about = h("p", { class: "facts about" });
   const told = h("p", { class: "facts", hidden: true });
   const why = h("p", { class: "bad", hidden: true });
+  const waits = h("span", { class: "quiet", hidden: true });
   const job = h("a", { class: "button" }, "Its job");
   const figures = h("dl", { class: "figures" });
   const learner = h("dl", { class: "figures" });
@@ -124,7 +126,7 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
   const element = h(
     "article",
     { class: "screen panel run" },
-    h("div", { class: "head" }, heading, badge, h("span", { class: "actions" }, pause, resume, step, cancel, why_it_did.button, fork.button, job)),
+    h("div", { class: "head" }, heading, badge, waits, h("span", { class: "actions" }, pause, resume, step, cancel, why_it_did.button, fork.button, job)),
     why_it_did.element, bar, facts, why,
     h("div", { class: "two" },
       h("div", { class: "left" }, tools, h("div", { class: "scenes" }, h("div", {}, about, picture.element), player.beside), player.element, moment, told, curve.element),
@@ -209,6 +211,8 @@ export function runScreen(id: string, options: URLSearchParams): Screen {
     document.title = `${title} – evswarm`;
     write(badge, next.state);
     badge.dataset["state"] = next.state;
+    show(waits, next.waits_for != null);
+    write(waits, next.waits_for ? `waits for ${WAITS_FOR[next.waits_for]}` : "");
     job.href = link("job", next.job_id);
     player.run(next);
     fork.run(next);
