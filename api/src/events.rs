@@ -10,8 +10,8 @@ use crate::state::{Progress, State};
 /// An event of `/v1/events`, `/v1/jobs/{id}/events` or `/v1/runs/{id}/events`. Its tag is the event's
 /// name.
 ///
-/// Every change of state comes, in order, with an id: a listener that comes back with
-/// `Last-Event-ID` misses none. The others show the latest, at most twice a second, and have no id;
+/// Every change of state comes, in order, with an id, and so does the deletion of a job: a listener
+/// that comes back with `Last-Event-ID` misses none. The others show the latest, at most twice a second, and have no id;
 /// a listener that is slow misses some of them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "event", content = "data", rename_all = "snake_case")]
@@ -21,7 +21,8 @@ pub enum Event {
     /// The job as it is: at first, and whenever it has changed. Of all jobs these are the newest 500
     /// and, of older ones, up to 500 that are not over.
     Job(Box<Job>),
-    /// A job was deleted; heard by listeners to all.
+    /// A job was deleted; heard by listeners to all. A stream of a job or a run ends when it is
+    /// deleted, and cannot be opened again.
     Gone(JobGone),
     /// The run as it is: at first, whenever it begins or ends to wait for another program, and
     /// whenever older changes of state are not kept any more.

@@ -110,6 +110,8 @@ problem_codes! {
         "A body has a greatest size; the detail tells it."
     NotSaidToBeJson 415 "not-said-to-be-json" "The body is not said to be JSON"
         "Send the header content-type: application/json."
+    NotSaidToBeBytes 415 "not-said-to-be-bytes" "The body is not said to be bytes"
+        "Send the header content-type: application/octet-stream, or none."
     RangeNotSatisfiable 416 "range-not-satisfiable" "There are no such bytes"
         "The header Range asks for bytes beyond the end; Content-Range tells how many there are."
     InvalidDocument 422 "invalid-document" "Fields of the document cannot be used"

@@ -86,6 +86,10 @@ pub const REFUSED: &[RefusedCase] = &[
     service("a body that takes too long to come", BodyTooSlow),
     service("a body that is not said to be JSON", NotSaidToBeJson),
     service(
+        "a checkpoint that is said to be something else than bytes",
+        NotSaidToBeBytes,
+    ),
+    service(
         "bytes beyond the end of a file (`Range`)",
         RangeNotSatisfiable,
     ),

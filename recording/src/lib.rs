@@ -26,7 +26,7 @@ pub use file::Writer;
 pub use header::{Chosen, DriveModel, Fields, Header, StageMark};
 pub use layout::{Layout, SamplePlace};
 pub use raw::Raw;
-pub use reader::Reader;
+pub use reader::{Lack, Reader};
 pub use samples::{Decision, Samples};
 
 pub use units::{SENSORS, TICKS_PER_COMMAND, TICKS_PER_M, TICKS_PER_RAD};

@@ -29,7 +29,20 @@ pub struct Reader<F> {
     end: u64,
     /// The sample after the last that is there.
     samples_end: u64,
+    /// Bytes of the file.
+    length: u64,
     complete: bool,
+}
+
+/// What is wrong with a recording that is not complete.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lack {
+    /// Samples are missing, or damaged.
+    Samples,
+    /// All samples are there, and the index after them is not, or is damaged.
+    Index,
+    /// All samples are there, and so many bytes stand after where the index ends.
+    Surplus(u64),
 }
 
 fn read_exact<const N: usize>(file: &mut impl Read) -> Result<[u8; N], RecordingError> {
@@ -109,12 +122,14 @@ impl<F: Read + Seek> Reader<F> {
         file.seek(SeekFrom::Start(0))?;
         let header = header(&mut file)?;
         let begin = file.stream_position()?;
+        let length = file.seek(SeekFrom::End(0))?;
         let mut reader = Self {
             layout: Layout::of(&header),
             coder: Coder::new(&header)?,
             samples_end: 0,
             offsets: Vec::new(),
             end: begin,
+            length,
             complete: false,
             header,
             file,
@@ -134,7 +149,7 @@ impl<F: Read + Seek> Reader<F> {
 
     /// The index and where it begins, where a whole one is at the end.
     fn index(&mut self, begin: u64) -> Result<Option<(Vec<u64>, u64)>, RecordingError> {
-        let length = self.file.seek(SeekFrom::End(0))?;
+        let length = self.length;
         let samples = self.layout.samples();
         let blocks = match samples.end.checked_sub(1) {
             Some(last) if last >= samples.start => self.layout.block_of(last) as u64 + 1,
@@ -163,7 +178,7 @@ impl<F: Read + Seek> Reader<F> {
 
     /// Finds the blocks that are there, each after the one before.
     fn scan(&mut self, begin: u64, checked: bool) -> Result<(), RecordingError> {
-        let length = self.file.seek(SeekFrom::End(0))?;
+        let length = self.length;
         let mut offset = begin;
         while let Some(head) = self.next_head(offset, length)? {
             let after = offset + HEAD_BYTES as u64 + u64::from(head.bytes);
@@ -248,6 +263,21 @@ impl<F: Read + Seek> Reader<F> {
     /// Whether all of it is there.
     pub fn is_complete(&self) -> bool {
         self.complete
+    }
+
+    /// What is wrong with it, where it is not complete.
+    pub fn lack(&self) -> Option<Lack> {
+        if self.complete {
+            return None;
+        }
+        if self.samples_end < self.layout.samples().end {
+            return Some(Lack::Samples);
+        }
+        let whole = self.end + self.offsets.len() as u64 * 8 + FOOTER_BYTES as u64;
+        Some(match self.length.checked_sub(whole) {
+            None | Some(0) => Lack::Index,
+            Some(surplus) => Lack::Surplus(surplus),
+        })
     }
 
     /// Where each block begins, and where the last one ends.

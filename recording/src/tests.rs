@@ -245,6 +245,9 @@ fn a_cut_recording_is_read_up_to_its_last_whole_block() {
         assert!(!cut_reader.is_complete());
         let there = ends.iter().filter(|end| **end <= cut as u64).count();
         assert_eq!(cut_reader.blocks().0.len(), there, "cut at {cut}");
+        let is_there = there == whole.len();
+        let lack = if is_there { Lack::Index } else { Lack::Samples };
+        assert_eq!(cut_reader.lack(), Some(lack), "cut at {cut}");
         let samples = cut_reader.samples();
         assert!(cut_reader.block(samples.end).is_err());
         if there > 0 {
@@ -255,6 +258,13 @@ fn a_cut_recording_is_read_up_to_its_last_whole_block() {
         reader.block(reader.samples().end - 1).unwrap(),
         whole[whole.len() - 1]
     );
+    assert_eq!(reader.lack(), None);
+    for surplus in [1, 8, 1_000] {
+        let longer = [&file[..], &vec![0x45; surplus]].concat();
+        let mut longer = open(&longer).unwrap();
+        assert_eq!(longer.lack(), Some(Lack::Surplus(surplus as u64)));
+        assert_eq!(longer.block(longer.samples().start).unwrap(), whole[0]);
+    }
 }
 
 #[test]

@@ -6,6 +6,17 @@
 
 use api::controller::Controller;
 use api::external::{RobotSense, WheelCommand};
+use clap::Parser;
+
+/// Steers a run as the method `braitenberg` does.
+#[derive(Parser)]
+struct Arguments {
+    /// The run.
+    run_id: String,
+    /// Which of the run's controllers it is.
+    #[arg(default_value_t = 0)]
+    controller: usize,
+}
 
 /// What ps0 to ps7 add to the left and to the right wheel.
 const WEIGHTS: [[f32; 2]; 8] = [
@@ -31,9 +42,10 @@ fn act(robot: &RobotSense, command: &mut WheelCommand) {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mut arguments = std::env::args().skip(1);
-    let run_id = arguments.next().ok_or("which run? give its id")?;
-    let number = arguments.next().map_or(Ok(0), |text| text.parse())?;
+    let Arguments {
+        run_id,
+        controller: number,
+    } = Arguments::parse();
     let mut controller = Controller::open(&api::frames::default_root(), &run_id, number)?;
     eprintln!("steers {run_id}");
     controller.serve(|_, robots, commands| {

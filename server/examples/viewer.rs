@@ -9,11 +9,19 @@ use std::time::Duration;
 use api::channels::run_service;
 use api::frames::{RobotState, default_root};
 use api::reader::{CoverageReader, FrameReader};
+use clap::Parser;
 
 /// Characters of a picture side by side; half as many lines.
 const COLUMNS: usize = 72;
 /// Time between two pictures.
 const PAUSE: Duration = Duration::from_millis(100);
+
+/// Shows a run in the terminal: robots as arrows over what they have covered.
+#[derive(Parser)]
+struct Arguments {
+    /// The run.
+    run_id: String,
+}
 
 /// The arrow of a heading.
 fn arrow(robot: &RobotState) -> char {
@@ -22,7 +30,7 @@ fn arrow(robot: &RobotState) -> char {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let run_id = std::env::args().nth(1).ok_or("which run? give its id")?;
+    let Arguments { run_id } = Arguments::parse();
     let (root, wait) = (default_root(), Duration::from_secs(10));
     let frames = FrameReader::open_within(&root, &run_service(&run_id, "frames"), wait)?;
     let coverage = CoverageReader::open_within(&root, &run_service(&run_id, "coverage"), wait)?;

@@ -118,6 +118,9 @@ fn a_program_in_c_sees_frames() {
     let home = tempfile::tempdir().unwrap();
     let home = home.path();
     let frames = compiled(home, "frames");
+    let helped = Command::new(&frames).arg("--help").output().unwrap();
+    let usage = String::from_utf8_lossy(&helped.stdout);
+    assert!(helped.status.success() && usage.starts_with("usage: frames RUN_ID"));
     let method = json!({ "method": "external", "deadline_ms": 20_000 });
     // Nobody steers: it stays at its first step for as long as it is watched.
     let run = start(home, "waits", method);

@@ -28,6 +28,24 @@ fn watch(id: &str, root: &Path) -> String {
     text.into_owned()
 }
 
+/// Some took it for the id of a run.
+#[test]
+fn examples_tell_their_usage() {
+    for name in ["viewer", "braitenberg", "record_csv", "watch_frames"] {
+        for (arguments, code) in [(&["--help"][..], 0), (&[], 2)] {
+            let mut example = Command::new(program(&format!("examples/{name}")));
+            let output = example.args(arguments).output().unwrap();
+            let said = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+            assert_eq!(output.status.code(), Some(code), "{name}: {said:?}");
+            let said = if code == 0 { &said[0] } else { &said[1] };
+            assert!(
+                said.contains("Usage") && said.contains("RUN_ID"),
+                "{name}: {said}"
+            );
+        }
+    }
+}
+
 #[test]
 fn a_reader_gets_frames_while_the_run_goes_on() {
     let home = tempfile::tempdir().unwrap();

@@ -158,7 +158,52 @@ fn whoever_listens_to_all_hears_of_every_job_and_of_one_run_more() {
     for gone in [&old, &long] {
         let path = format!("/v1/jobs/{}", gone.id);
         assert_eq!(server.send("DELETE", &path, &[], b"").status, 204);
-        listener.until(|event| matches!(event, Event::Gone(told) if told.job_id == gone.id));
+        let heard = listener.until(|event| is_gone(event, &gone.id));
+        assert!(!heard[heard.len() - 1].id.is_empty(), "{heard:?}");
+    }
+}
+
+fn is_gone(event: &Event, id: &str) -> bool {
+    matches!(event, Event::Gone(gone) if gone.job_id == id)
+}
+
+/// Deletions had no id, and whoever was away did not hear of them.
+#[test]
+fn whoever_comes_back_hears_of_jobs_that_were_deleted_meanwhile() {
+    let home = tempfile::tempdir().unwrap();
+    let server = Server::start(home.path());
+    let [kept, gone] = [1, 2].map(|runs| server.submit(&job(small_spec(), runs)));
+    server.wait_for(&kept);
+    server.wait_for(&gone);
+    let first = server.listen("/v1/events", None);
+    let heard: Vec<Heard> = first.take(2).collect();
+    let since = &heard[1].id;
+    assert!(!since.is_empty(), "{heard:?}");
+    let mut of_job = server.listen(&format!("/v1/jobs/{}/events", gone.id), None);
+    let path = format!("/v1/jobs/{}", gone.id);
+    assert_eq!(server.send("DELETE", &path, &[], b"").status, 204);
+    assert!(
+        of_job
+            .by_ref()
+            .all(|heard| !matches!(heard.event, Event::Gone(_)))
+    );
+    assert_eq!(server.get(&format!("{path}/events")).status, 404);
+    assert_eq!(server.terminate().code(), Some(0));
+
+    let server = Server::start(home.path());
+    let mut back = server.listen("/v1/events", Some(since));
+    let heard = back.until(|event| is_gone(event, &gone.id));
+    let id = &heard[heard.len() - 1].id;
+    assert!(id.parse::<u64>().unwrap() > since.parse().unwrap());
+    // Once.
+    let again = server.listen("/v1/events", Some(id));
+    let mut spec = small_spec();
+    spec["epochs"] = json!(2);
+    let next = server.submit(&job(spec, 1));
+    for mut listener in [back, again] {
+        let heard = listener.until(|event| is_job(event, &next.id, State::Done));
+        let is_told_again = heard.iter().any(|heard| is_gone(&heard.event, &gone.id));
+        assert!(!is_told_again, "{heard:?}");
     }
 }
 

@@ -279,4 +279,14 @@ fn a_recording_of_the_answers_repeats_the_run_without_the_program() {
         &own,
         "--answers is for runs with the method external",
     );
+    // What was added to a recording was taken for what it lacks.
+    let file = path("first").join("recording.evrec");
+    let mut bytes = std::fs::read(&file).unwrap();
+    bytes.extend(*b"12345");
+    std::fs::write(&file, &bytes).unwrap();
+    let why = "5 bytes that do not belong to it stand after its end";
+    refused("longer", &steered, why);
+    std::fs::write(&file, &bytes[..bytes.len() - 6]).unwrap();
+    let why = "it has every command, but its index at the end of the file is cut";
+    refused("shorter", &steered, why);
 }

@@ -10,6 +10,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* What ps0 to ps7 add to the left and to the right wheel. */
 static const float WEIGHTS[8][2] = {
@@ -38,9 +39,10 @@ static void act(const evswarm_asked *asked, const evswarm_robot_sense *robots,
 }
 
 int main(int count, char **arguments) {
-    if (count < 2) {
-        fprintf(stderr, "which run? give its id\n");
-        return 2;
+    int helps = count > 1 && (strcmp(arguments[1], "--help") == 0 || strcmp(arguments[1], "-h") == 0);
+    if (count < 2 || helps) {
+        fputs("usage: braitenberg RUN_ID [CONTROLLER]\nSteers a run as the method braitenberg does.\n", helps ? stdout : stderr);
+        return helps ? 0 : 2;
     }
     size_t number = count > 2 ? strtoul(arguments[2], NULL, 10) : 0;
     evswarm_controller *controller = evswarm_controller_open(NULL, arguments[1], number);

@@ -7,6 +7,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static void see(const evswarm_frame_header *header, const evswarm_robot_state *robots, size_t count,
                 void *context) {
@@ -19,9 +20,10 @@ static void see(const evswarm_frame_header *header, const evswarm_robot_state *r
 }
 
 int main(int count, char **arguments) {
-    if (count < 2) {
-        fprintf(stderr, "which run? give its id\n");
-        return 2;
+    int helps = count > 1 && (strcmp(arguments[1], "--help") == 0 || strcmp(arguments[1], "-h") == 0);
+    if (count < 2 || helps) {
+        fputs("usage: frames RUN_ID [MOST]\nPrints where the robots of a run are, once for each of MOST frames (0: of all).\n", helps ? stdout : stderr);
+        return helps ? 0 : 2;
     }
     unsigned long most = count > 2 ? strtoul(arguments[2], NULL, 10) : 0;
     evswarm_frames *frames = evswarm_frames_open(NULL, arguments[1], 0);

@@ -9,6 +9,7 @@ import subprocess
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -19,7 +20,7 @@ from pettingzoo.test import parallel_api_test, parallel_seed_test
 
 from conftest import program
 from evswarm.channels import ChannelError, Controller, ControllerPort, FrameReader, Readings, steer
-from evswarm.env import SwarmParallelEnv, SwarmVectorEnv, register
+from evswarm.env import SwarmEnv, SwarmParallelEnv, SwarmVectorEnv, register
 
 WEIGHTS = np.array(
     [
@@ -127,6 +128,16 @@ def test_frames_are_seen_without_copying(home: Path) -> None:
     run.wait()
     with pytest.raises(ChannelError, match="frames of the run"):
         FrameReader("no-such-run")
+
+
+@pytest.mark.parametrize("environment", [SwarmEnv, SwarmVectorEnv, SwarmParallelEnv])
+def test_a_seed_that_no_run_can_have_is_named(environment: Any) -> None:
+    env = environment()
+    for seed in (2**70, 2**53, -1):
+        with pytest.raises(ValueError, match=rf"seed {seed} \(allowed: 0 to {2**53 - 1}\)"):
+            env.reset(seed=seed)
+    env.reset(seed=2**53 - 1)
+    env.close()
 
 
 def test_a_robot_is_an_environment_that_gymnasium_accepts() -> None:

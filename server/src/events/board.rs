@@ -4,14 +4,14 @@
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::time::{Duration, Instant};
 
-use api::events::{Event, JobGone};
+use api::events::Event;
 use api::{Job, State};
 
 use crate::store::{JobKey, JobMark, StoreError};
 
 /// How long a look serves all listeners.
 const KEPT: Duration = Duration::from_millis(400);
-/// Most jobs that have left the board of which listeners hear; one that missed more is let go.
+/// Most jobs that are there and have left the board of which listeners hear; one that missed more is let go.
 const MOST_LEFT: usize = 500;
 
 /// A job and what tells whether it has changed.
@@ -24,6 +24,8 @@ struct Shown {
 
 /// Where jobs are looked up.
 pub(super) trait Jobs {
+    /// Number of the newest change; that a job was deleted is one.
+    fn newest_change(&self) -> Result<u64, StoreError>;
     /// What may be on the board.
     fn marks(&self) -> Result<Vec<JobMark>, StoreError>;
     /// A job as it is; `None` when it is gone.
@@ -35,6 +37,8 @@ pub(super) trait Jobs {
 pub(super) struct Board {
     looks: u64,
     looked: Option<Instant>,
+    /// Number of the newest change before the last look.
+    newest: u64,
     shown: BTreeMap<JobKey, Shown>,
     /// What became of jobs that left the board, and at which look.
     left: VecDeque<(u64, Event)>,
@@ -43,8 +47,19 @@ pub(super) struct Board {
 }
 
 impl Board {
-    /// What has changed since the look of this number, all jobs for none; and the number of the last
-    /// look. `None` for whoever has missed that jobs left.
+    /// Number of the newest change that all of the board has taken in: whoever begins with the board
+    /// goes on from there.
+    ///
+    /// # Errors
+    /// When jobs cannot be read.
+    pub fn newest(&mut self, jobs: &impl Jobs) -> Result<u64, StoreError> {
+        self.renew(jobs, 0)?;
+        Ok(self.newest)
+    }
+
+    /// What has changed since the look of this number; and the number of the last look. For none
+    /// all jobs, as they were after a change of which the listener has heard. `None` for whoever has
+    /// missed that jobs left.
     ///
     /// # Errors
     /// When jobs cannot be read.
@@ -52,11 +67,9 @@ impl Board {
         &mut self,
         jobs: &impl Jobs,
         heard: Option<u64>,
+        change: u64,
     ) -> Result<Option<(Vec<Event>, u64)>, StoreError> {
-        if self.looked.is_none_or(|looked| looked.elapsed() >= KEPT) {
-            self.look(jobs)?;
-            self.looked = Some(Instant::now());
-        }
+        self.renew(jobs, if heard.is_none() { change } else { 0 })?;
         if heard.is_some_and(|heard| heard < self.forgotten_at) {
             return Ok(None);
         }
@@ -72,7 +85,18 @@ impl Board {
         Ok(Some((told, self.looks)))
     }
 
+    /// Looks again if the last look is old, or older than a change.
+    fn renew(&mut self, jobs: &impl Jobs, change: u64) -> Result<(), StoreError> {
+        let is_old = self.looked.is_none_or(|looked| looked.elapsed() >= KEPT);
+        if is_old || self.newest < change {
+            self.look(jobs)?;
+            self.looked = Some(Instant::now());
+        }
+        Ok(())
+    }
+
     fn look(&mut self, jobs: &impl Jobs) -> Result<(), StoreError> {
+        let newest = jobs.newest_change()?;
         let marks = jobs.marks()?;
         let now = self.looks + 1;
         let there: BTreeSet<JobKey> = marks.iter().map(|mark| mark.seq).collect();
@@ -99,21 +123,19 @@ impl Board {
         }
         let absent = self.shown.keys().filter(|key| !there.contains(key));
         for key in absent.copied().collect::<Vec<_>>() {
-            let event = match jobs.job(key)? {
-                Some(job) => Event::Job(Box::new(job)),
-                None => Event::Gone(JobGone {
-                    job_id: key.to_string(),
-                }),
-            };
+            let job = jobs.job(key)?;
             self.shown.remove(&key);
-            self.left.push_back((now, event));
+            // That one was deleted is a change with a number.
+            if let Some(job) = job {
+                self.left.push_back((now, Event::Job(Box::new(job))));
+            }
         }
         while self.left.len() > MOST_LEFT {
             if let Some((at, _)) = self.left.pop_front() {
                 self.forgotten_at = at;
             }
         }
-        self.looks = now;
+        (self.looks, self.newest) = (now, newest);
         Ok(())
     }
 }
@@ -121,15 +143,15 @@ impl Board {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-    use std::cell::RefCell;
+    use std::cell::{Cell, RefCell};
 
     use api::RunCounts;
 
     use super::*;
 
-    /// Jobs that a test changes.
+    /// Jobs that a test changes, the first that may be on the board, number of the newest change.
     #[derive(Default)]
-    struct Fake(RefCell<BTreeMap<i64, Job>>);
+    struct Fake(RefCell<BTreeMap<i64, Job>>, Cell<i64>, Cell<u64>);
 
     impl Fake {
         fn set(&self, key: i64, state: State, progress: f64) {
@@ -149,13 +171,17 @@ mod tests {
     }
 
     impl Jobs for Fake {
+        fn newest_change(&self) -> Result<u64, StoreError> {
+            Ok(self.2.get())
+        }
+
         fn marks(&self) -> Result<Vec<JobMark>, StoreError> {
             let jobs = self.0.borrow();
             let mark = |(key, job): (&i64, &Job)| JobMark {
                 seq: JobKey(*key),
                 text: job.state.to_string(),
             };
-            Ok(jobs.iter().map(mark).collect())
+            Ok(jobs.range(self.1.get()..).map(mark).collect())
         }
 
         fn job(&self, key: JobKey) -> Result<Option<Job>, StoreError> {
@@ -166,7 +192,6 @@ mod tests {
     fn said(events: &[Event]) -> Vec<String> {
         let said = |event: &Event| match event {
             Event::Job(job) => format!("{} {} {}", job.id, job.state, job.progress),
-            Event::Gone(gone) => format!("{} gone", gone.job_id),
             other => panic!("{other:?}"),
         };
         events.iter().map(said).collect()
@@ -177,11 +202,11 @@ mod tests {
         let (mut board, jobs) = (Board::default(), Fake::default());
         jobs.set(1, State::Done, 1.0);
         jobs.set(2, State::Running, 0.1);
-        let (told, first) = board.since(&jobs, None).unwrap().unwrap();
+        let (told, first) = board.since(&jobs, None, 0).unwrap().unwrap();
         assert_eq!(said(&told), ["1 done 1", "2 running 0.1"]);
         let look = |board: &mut Board| board.look(&jobs).unwrap();
         look(&mut board);
-        assert_eq!(board.since(&jobs, Some(first)).unwrap().unwrap().0, []);
+        assert_eq!(board.since(&jobs, Some(first), 0).unwrap().unwrap().0, []);
         // A slow listener misses progress, and hears what is so at last.
         jobs.set(2, State::Running, 0.2);
         look(&mut board);
@@ -190,12 +215,29 @@ mod tests {
         jobs.set(3, State::Queued, 0.0);
         jobs.0.borrow_mut().remove(&1);
         look(&mut board);
-        let (told, last) = board.since(&jobs, Some(first)).unwrap().unwrap();
-        assert_eq!(said(&told), ["2 done 1", "3 queued 0", "1 gone"]);
-        assert_eq!(board.since(&jobs, Some(last)).unwrap().unwrap().0, []);
-        // Whoever comes now hears of what is there alone.
-        let (told, _) = board.since(&jobs, None).unwrap().unwrap();
+        let (told, last) = board.since(&jobs, Some(first), 0).unwrap().unwrap();
         assert_eq!(said(&told), ["2 done 1", "3 queued 0"]);
+        assert_eq!(board.since(&jobs, Some(last), 0).unwrap().unwrap().0, []);
+        // Whoever comes now hears of what is there alone.
+        let (told, _) = board.since(&jobs, None, 0).unwrap().unwrap();
+        assert_eq!(said(&told), ["2 done 1", "3 queued 0"]);
+    }
+
+    /// The board is of a moment ago.
+    #[test]
+    fn a_job_of_which_was_heard_that_it_is_gone_is_shown_to_nobody_again() {
+        let (mut board, jobs) = (Board::default(), Fake::default());
+        jobs.set(1, State::Done, 1.0);
+        jobs.2.set(7);
+        assert_eq!(board.newest(&jobs).unwrap(), 7);
+        jobs.0.borrow_mut().clear();
+        jobs.2.set(8);
+        // Whoever goes on from 7 will hear of it, whoever comes back with 8 has.
+        let (told, _) = board.since(&jobs, None, 7).unwrap().unwrap();
+        assert_eq!(said(&told), ["1 done 1"]);
+        let (told, _) = board.since(&jobs, None, 8).unwrap().unwrap();
+        assert_eq!(told, []);
+        assert_eq!(board.newest(&jobs).unwrap(), 8);
     }
 
     #[test]
@@ -205,13 +247,13 @@ mod tests {
         for key in 0..=most {
             jobs.set(key, State::Done, 1.0);
         }
-        let (_, first) = board.since(&jobs, None).unwrap().unwrap();
-        jobs.0.borrow_mut().clear();
+        let (_, first) = board.since(&jobs, None, 0).unwrap().unwrap();
+        jobs.1.set(most + 1);
         board.look(&jobs).unwrap();
         assert_eq!(board.left.len(), MOST_LEFT);
-        assert_eq!(board.since(&jobs, Some(first)).unwrap(), None);
-        let now = board.since(&jobs, None).unwrap().unwrap();
+        assert_eq!(board.since(&jobs, Some(first), 0).unwrap(), None);
+        let now = board.since(&jobs, None, 0).unwrap().unwrap();
         assert_eq!(now.0, []);
-        assert!(board.since(&jobs, Some(now.1)).unwrap().is_some());
+        assert!(board.since(&jobs, Some(now.1), 0).unwrap().is_some());
     }
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use api::events::{Event, StateChange};
+use api::events::{Event, JobGone, StateChange};
 use api::{Job, WaitsFor};
 use tokio::time::Instant;
 
@@ -11,7 +11,7 @@ use super::hub::{Hub, Place, TooManyListeners};
 use crate::artifacts::{curve_row, metrics_json};
 use crate::findings::views;
 use crate::scheduler::View;
-use crate::store::{RunKey, StoreError, Subject};
+use crate::store::{Change, Changed, RunKey, StoreError, Subject};
 
 /// Least time between two looks at progress.
 const PROGRESS_EVERY: Duration = Duration::from_millis(500);
@@ -23,6 +23,29 @@ pub struct Told {
     pub id: Option<u64>,
     /// The event.
     pub event: Event,
+}
+
+impl Told {
+    fn of(change: Change) -> Self {
+        let event = match change.what {
+            Changed::Run {
+                run,
+                ordinal,
+                state,
+            } => Event::State(StateChange {
+                run_id: run,
+                index: ordinal,
+                state,
+            }),
+            Changed::JobGone(job) => Event::Gone(JobGone {
+                job_id: job.to_string(),
+            }),
+        };
+        Self {
+            id: Some(change.id),
+            event,
+        }
+    }
 }
 
 /// A listener. Its place is free again when it is dropped.
@@ -126,23 +149,17 @@ impl State {
         let mut told = Vec::new();
         let is_first = self.after.is_none();
         let mut is_incomplete = false;
-        let mut after = match self.after {
-            Some(after) => after,
-            None => self.hub.store.newest_change()?,
+        let mut after = match (self.after, self.subject) {
+            (Some(after), _) => after,
+            (None, Subject::All) => self.hub.newest_of_all()?,
+            (None, _) => self.hub.store.newest_change()?,
         };
         self.is_behind = false;
         if after < newest {
             let changes = self.hub.store.changes(self.subject, after)?;
             after = changes.after;
             is_incomplete |= changes.is_incomplete;
-            told.extend(changes.items.into_iter().map(|change| Told {
-                id: Some(change.id),
-                event: Event::State(StateChange {
-                    run_id: change.run,
-                    index: change.ordinal,
-                    state: change.state,
-                }),
-            }));
+            told.extend(changes.items.into_iter().map(Told::of));
             self.is_behind = changes.is_cut;
         }
         self.after = Some(after);
@@ -161,9 +178,11 @@ impl State {
             }
             Subject::All => {
                 let heard = self.all.filter(|_| id.is_none());
-                let Some((events, look)) = self.hub.all_since(heard)? else {
+                let Some((mut events, look)) = self.hub.all_since(heard, after)? else {
                     return Ok(None);
                 };
+                // The board may be of a moment ago, when a job was there that is gone by now.
+                events.retain(|event| !is_of_gone(event, &told));
                 let is_first = self.all.replace(look).is_none();
                 if let Some((run, run_id)) = self.and_run.clone() {
                     let is_wanted = is_first || id.is_some() || has_ended(&told, Some(&run_id));
@@ -239,6 +258,13 @@ impl State {
             }
         }
     }
+}
+
+/// Whether an event shows a job of which is told that it is gone.
+fn is_of_gone(event: &Event, told: &[Told]) -> bool {
+    let Event::Job(job) = event else { return false };
+    told.iter()
+        .any(|told| matches!(&told.event, Event::Gone(gone) if gone.job_id == job.id))
 }
 
 /// Whether what is told is of the end of a run: of this one, or of the one that all of it is about.

@@ -99,18 +99,29 @@ impl Hub {
         Ok(Some(job))
     }
 
-    /// What has changed of all jobs since the look of this number, all of them for none; and the
-    /// number of the last look. `None` for whoever has missed too much.
+    /// Number of the newest change that what is told of all jobs has taken in.
+    pub(super) fn newest_of_all(&self) -> Result<u64, StoreError> {
+        let mut board = self.board.lock().unwrap_or_else(PoisonError::into_inner);
+        board.newest(self)
+    }
+
+    /// What has changed of all jobs since the look of this number, all of them, as they were after a
+    /// change, for none; and the number of the last look. `None` for whoever has missed too much.
     pub(super) fn all_since(
         &self,
         heard: Option<u64>,
+        change: u64,
     ) -> Result<Option<(Vec<Event>, u64)>, StoreError> {
         let mut board = self.board.lock().unwrap_or_else(PoisonError::into_inner);
-        board.since(self, heard)
+        board.since(self, heard, change)
     }
 }
 
 impl Jobs for Hub {
+    fn newest_change(&self) -> Result<u64, StoreError> {
+        self.store.newest_change()
+    }
+
     fn marks(&self) -> Result<Vec<JobMark>, StoreError> {
         self.store.job_marks()
     }

@@ -19,11 +19,9 @@ use super::extract::FoundRun;
 use super::operation::{Operation, Shape};
 use super::parts::streamed;
 use super::refusal::Refusal;
-use super::request::{parse, said_to_be_json};
+use super::request::{BYTES, parse, said_to_be_bytes, said_to_be_json};
 use super::routes::Routes;
 use crate::documents::fork;
-
-const BYTES: &str = "application/octet-stream";
 
 pub fn routes() -> Routes {
     let path = "/runs/{id}/checkpoint";
@@ -119,8 +117,10 @@ async fn take(
 async fn upload(
     State(app): State<App>,
     FoundRun(run): FoundRun,
+    headers: HeaderMap,
     body: Bytes,
 ) -> Result<Response, Refusal> {
+    said_to_be_bytes(&headers)?;
     app.blocking(move |app| app.created(app.scheduler.upload_checkpoint(&run, &body)?))
         .await
 }

@@ -57,8 +57,9 @@ fn listening(id: &str, about: &str) -> Operation {
     Operation::new(id, about)
         .details(
             "Server-sent events. The name of an event is the `event` of the schema `Event`, its \
-             data the `data`, as JSON. Every change of state comes, in order, with an id; of the \
-             others a slow listener misses some.",
+             data the `data`, as JSON. Every change of state and every deletion of a job comes, in \
+             order, with an id; of the others a slow listener misses some. A stream of a job or a run \
+             ends when that is deleted; then it is not found.",
         )
         .header(
             "Last-Event-ID",

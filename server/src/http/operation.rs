@@ -242,6 +242,9 @@ impl Operation {
         if self.body.is_some() {
             all.extend([NotSaidToBeJson, InvalidJson, InvalidDocument]);
         }
+        if self.takes_bytes {
+            all.push(NotSaidToBeBytes);
+        }
         if path.starts_with("/v1/jobs/{id}") {
             all.extend([JobNotFound, Damaged]);
         }

@@ -1,12 +1,14 @@
 //! What routes read from a request: JSON bodies, idempotency keys.
 
 use api::{FieldError, ProblemCode};
-use axum::http::HeaderMap;
 use axum::http::header::CONTENT_TYPE;
+use axum::http::{HeaderMap, HeaderValue};
 use serde_json::Value;
 
 use super::refusal::Refusal;
 
+/// Media type of bytes.
+pub const BYTES: &str = "application/octet-stream";
 /// Longest idempotency key.
 pub const MAX_KEY_BYTES: usize = 200;
 
@@ -21,6 +23,20 @@ pub fn said_to_be_json(headers: &HeaderMap) -> Result<(), Refusal> {
     }
     let detail = "send JSON, with the header content-type: application/json";
     Err(Refusal::new(ProblemCode::NotSaidToBeJson, detail))
+}
+
+/// That the body of a request is said to be bytes of a kind of our own, or nothing else.
+///
+/// # Errors
+/// 415 when it is said to be something else.
+pub fn said_to_be_bytes(headers: &HeaderMap) -> Result<(), Refusal> {
+    match headers.get(CONTENT_TYPE) {
+        None => return Ok(()),
+        Some(value) if essence(value).as_deref() == Some(BYTES) => return Ok(()),
+        Some(_) => {}
+    }
+    let detail = "send the file, with the header content-type: application/octet-stream or none";
+    Err(Refusal::new(ProblemCode::NotSaidToBeBytes, detail))
 }
 
 /// The body as JSON.
@@ -44,17 +60,17 @@ pub fn parse(body: &[u8]) -> Result<Value, Refusal> {
 }
 
 fn is_json(headers: &HeaderMap) -> bool {
-    let Some(Ok(value)) = headers.get(CONTENT_TYPE).map(|value| value.to_str()) else {
+    let Some(essence) = headers.get(CONTENT_TYPE).and_then(essence) else {
         return false;
     };
-    let essence = value
-        .split(';')
-        .next()
-        .unwrap_or_default()
-        .trim()
-        .to_ascii_lowercase();
     essence == "application/json"
         || (essence.starts_with("application/") && essence.ends_with("+json"))
+}
+
+/// A media type without its parameters.
+fn essence(value: &HeaderValue) -> Option<String> {
+    let essence = value.to_str().ok()?.split(';').next()?;
+    Some(essence.trim().to_ascii_lowercase())
 }
 
 /// The header `Idempotency-Key`.

@@ -4,7 +4,7 @@
 use std::fs::File;
 use std::path::Path;
 
-use recording::{Reader, RecordingError, SamplePlace, Samples};
+use recording::{Lack, Reader, RecordingError, SamplePlace, Samples};
 use swarm::run::Run;
 
 use crate::documents::ResolvedRun;
@@ -28,8 +28,14 @@ pub enum AnswersError {
     )]
     NotEvery,
     /// It was cut.
-    #[error("it does not reach to the end of the run")]
+    #[error("it does not reach from the beginning to the end of the run")]
     Cut,
+    /// It was cut or changed after its last block.
+    #[error("it has every command, but its index at the end of the file is cut or damaged")]
+    NoIndex,
+    /// Something was added to it.
+    #[error("{0} bytes that do not belong to it stand after its end")]
+    Surplus(u64),
 }
 
 /// Steers a run by what was answered before.
@@ -54,8 +60,12 @@ impl Answers {
         if header.every_steps != 1 || !header.fields.command || header.robots.len() != robots {
             return Err(AnswersError::NotEvery);
         }
-        if !reader.is_complete() || header.from_epoch != 0 {
-            return Err(AnswersError::Cut);
+        match reader.lack() {
+            Some(Lack::Surplus(bytes)) => return Err(AnswersError::Surplus(bytes)),
+            Some(Lack::Index) => return Err(AnswersError::NoIndex),
+            Some(Lack::Samples) => return Err(AnswersError::Cut),
+            None if header.from_epoch != 0 => return Err(AnswersError::Cut),
+            None => {}
         }
         Ok(Self {
             commands: vec![[0.0; 2]; robots],

@@ -21,17 +21,29 @@ pub enum Subject {
     Run(RunKey),
 }
 
-/// A change of a run's state.
+/// A change of a run's state, or that a job is gone.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Change {
     /// Its number: later changes have higher ones.
     pub id: u64,
-    /// Id of the run.
-    pub run: String,
-    /// Its place in the job that is listened to; 0 where a run is, or where all are.
-    pub ordinal: u64,
-    /// What it became.
-    pub state: State,
+    /// What has changed.
+    pub what: Changed,
+}
+
+/// What has changed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Changed {
+    /// A run's state.
+    Run {
+        /// Its id.
+        run: String,
+        /// Its place in the job that is listened to; 0 where a run is, or where all are.
+        ordinal: u64,
+        /// What it became.
+        state: State,
+    },
+    /// A job was deleted: told of all alone.
+    JobGone(JobKey),
 }
 
 /// What has changed since a number.
@@ -78,22 +90,29 @@ impl Store {
             });
         }
         let read = |row: &rusqlite::Row<'_>| {
-            let (id, run, ordinal, state): (i64, String, i64, String) =
-                (row.get(0)?, row.get(1)?, row.get(2)?, row.get(3)?);
-            Ok((from_sql(id), run, from_sql(ordinal), state))
+            Ok(Row {
+                id: from_sql(row.get(0)?),
+                run: row.get(1)?,
+                ordinal: from_sql(row.get(2)?),
+                state: row.get(3)?,
+                job: row.get(4)?,
+            })
         };
-        let found: Vec<(u64, String, u64, String)> = match subject {
+        let found: Vec<Row> = match subject {
             Subject::All => reader
                 .prepare_cached(
-                    "SELECT changes.id, runs.id, 0, changes.state
-                     FROM changes JOIN runs ON runs.seq = changes.run
-                     WHERE changes.id > ?1 AND changes.id <= ?2 ORDER BY changes.id LIMIT ?3",
+                    "SELECT changes.id, runs.id, 0, changes.state, changes.job
+                     FROM changes LEFT JOIN runs ON runs.seq = changes.run
+                     WHERE changes.id > ?1 AND changes.id <= ?2
+                        AND (runs.id IS NOT NULL
+                            OR (changes.job IS NOT NULL AND changes.state = 'gone'))
+                     ORDER BY changes.id LIMIT ?3",
                 )?
                 .query_map(params![to_sql(after), to_sql(newest), MOST], read)?
                 .collect::<Result<_, _>>()?,
             Subject::Job(job) => reader
                 .prepare_cached(
-                    "SELECT changes.id, runs.id, job_runs.ordinal, changes.state
+                    "SELECT changes.id, runs.id, job_runs.ordinal, changes.state, NULL
                      FROM changes
                         JOIN job_runs ON job_runs.run = changes.run AND job_runs.job = ?1
                         JOIN runs ON runs.seq = changes.run
@@ -103,7 +122,7 @@ impl Store {
                 .collect::<Result<_, _>>()?,
             Subject::Run(run) => reader
                 .prepare_cached(
-                    "SELECT changes.id, runs.id, 0, changes.state
+                    "SELECT changes.id, runs.id, 0, changes.state, NULL
                      FROM changes JOIN runs ON runs.seq = changes.run
                      WHERE changes.run = ?1 AND changes.id > ?2 AND changes.id <= ?3
                      ORDER BY changes.id LIMIT ?4",
@@ -114,16 +133,7 @@ impl Store {
         let is_cut = found.len() == MOST as usize;
         let items = found
             .into_iter()
-            .map(|(id, run, ordinal, state)| {
-                let state = State::from_name(&state)
-                    .ok_or_else(|| StoreError::unreadable("run state", &state))?;
-                Ok(Change {
-                    id,
-                    run,
-                    ordinal,
-                    state,
-                })
-            })
+            .map(Row::change)
             .collect::<Result<Vec<_>, StoreError>>()?;
         let last = items.last().map(|change| change.id);
         Ok(Changes {
@@ -132,6 +142,31 @@ impl Store {
             is_incomplete: false,
             is_cut,
         })
+    }
+}
+
+/// A row of the list.
+struct Row {
+    id: u64,
+    run: Option<String>,
+    ordinal: u64,
+    state: String,
+    job: Option<JobKey>,
+}
+
+impl Row {
+    fn change(self) -> Result<Change, StoreError> {
+        let what = match (self.run, self.job) {
+            (Some(run), _) => Changed::Run {
+                run,
+                ordinal: self.ordinal,
+                state: State::from_name(&self.state)
+                    .ok_or_else(|| StoreError::unreadable("run state", &self.state))?,
+            },
+            (None, Some(job)) => Changed::JobGone(job),
+            (None, None) => return Err(StoreError::unreadable("change", &self.state)),
+        };
+        Ok(Change { id: self.id, what })
     }
 }
 
@@ -174,7 +209,14 @@ mod tests {
         }
         let subject = Subject::Run(RunKey(1));
         let all = store.changes(subject, 0).unwrap();
-        let states: Vec<State> = all.items.iter().map(|change| change.state).collect();
+        let states: Vec<State> = all
+            .items
+            .iter()
+            .filter_map(|change| match change.what {
+                Changed::Run { state, .. } => Some(state),
+                Changed::JobGone(_) => None,
+            })
+            .collect();
         // What stays as it is is no change.
         assert_eq!(states, [State::Running, State::Failed]);
         assert_eq!(
@@ -186,6 +228,34 @@ mod tests {
         assert_eq!(store.changes(subject, 3).unwrap().items, []);
         // A number of another database.
         assert!(store.changes(subject, 4).unwrap().is_incomplete);
+    }
+
+    #[test]
+    fn that_a_job_is_gone_is_told_of_all_alone() {
+        let dir = tempfile::tempdir().unwrap();
+        let store = Store::open(dir.path()).unwrap();
+        change(&store, 1, "running");
+        let sql = "INSERT INTO jobs (seq, name, request_sha256) VALUES (7, '', '')";
+        store.connection().execute(sql, []).unwrap();
+        store.delete_job(JobKey(7)).unwrap();
+        change(&store, 1, "done");
+        let told = |subject| {
+            let changes = store.changes(subject, 0).unwrap();
+            let told = changes.items.into_iter().map(|change| match change.what {
+                Changed::Run { run, state, .. } => format!("{run} {state}"),
+                Changed::JobGone(job) => format!("{job} gone"),
+            });
+            told.collect::<Vec<_>>()
+        };
+        assert_eq!(
+            told(Subject::All),
+            ["run 1 running", "7 gone", "run 1 done"]
+        );
+        assert_eq!(
+            told(Subject::Run(RunKey(1))),
+            ["run 1 running", "run 1 done"]
+        );
+        assert_eq!(told(Subject::Job(JobKey(7))), [""; 0]);
     }
 
     #[test]

@@ -43,7 +43,7 @@ use database::{CHECKPOINTS, DATABASE, ORIGINS};
 pub use error::StoreError;
 pub use finals::DEFAULT_BYTES as DEFAULT_FINAL_BYTES;
 pub use findings::Findings;
-pub use history::{Change, Changes, Subject};
+pub use history::{Change, Changed, Changes, Subject};
 pub use jobs::{JobView, RunningRun};
 pub use keys::{JobKey, RunKey};
 pub use lists::{JobFilter, JobMark, RunFilter};

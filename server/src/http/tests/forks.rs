@@ -103,6 +103,14 @@ async fn a_foreign_or_altered_checkpoint_is_refused() {
         .map(|run| run["id"].as_str().unwrap().to_owned())
         .collect();
     let route = |id: &str| format!("/v1/runs/{id}/checkpoint");
+    for wrong in ["application/json", "text/plain", "é"] {
+        let said = request("PUT", &route(&ids[0])).header(CONTENT_TYPE, wrong);
+        let answer = service.send(said, b"{}".to_vec()).await;
+        let what = "a checkpoint that is said to be something else than bytes";
+        assert_refused(&answer, what);
+    }
+    let said = request("PUT", &route(&ids[0])).header(CONTENT_TYPE, "Application/Octet-Stream");
+    assert_eq!(service.send(said, b"{}".to_vec()).await.status, 422);
     let whole = service.get(&route(&ids[0])).await.body.to_vec();
     let refused = "a checkpoint that is foreign, altered or of another version";
     let foreign = put(&service, &route(&ids[1]), whole.clone()).await;

@@ -25,6 +25,7 @@ fn migrations() -> Migrations<'static> {
         plain(include_str!("10_origins.sql")),
         plain(include_str!("11_controllers.sql")),
         plain(include_str!("12_ends.sql")),
+        plain(include_str!("13_gone_jobs.sql")),
     ])
 }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,9 @@ from numpy.typing import NDArray
 from evswarm.channels import Readings
 from evswarm.env.rewards import REWARDS, Squares
 from evswarm.env.simulation import Simulation
+
+MOST_SEED = 2**53 - 1
+"""Highest seed of a run."""
 
 HIGHEST = 4095.0
 """Highest raw value of a sensor."""
@@ -65,6 +69,16 @@ class Episodes:
         """Ends the simulation."""
         self._next = None
         self._simulation.close()
+
+
+def checked(seed: int | None) -> int | None:
+    """A seed that a run can have."""
+    if seed is None:
+        return None
+    number = operator.index(seed)
+    if not 0 <= number <= MOST_SEED:
+        raise ValueError(f"seed {number} (allowed: 0 to {MOST_SEED})")
+    return number
 
 
 def observe(readings: Readings) -> NDArray[np.float32]:

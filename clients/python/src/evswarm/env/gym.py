@@ -9,7 +9,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from evswarm.env.episodes import Episodes
+from evswarm.env.episodes import Episodes, checked
 
 
 class SwarmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
@@ -34,6 +34,7 @@ class SwarmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[NDArray[np.float32], dict[str, Any]]:
         """Begins an episode; the same seed begins the same run."""
+        seed = checked(seed)
         super().reset(seed=seed)
         seen = self._episodes.reset(seed, self.np_random)
         return seen.reshape(self.observation_space.shape or ()), self._info()

@@ -9,7 +9,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
-from evswarm.env.episodes import Episodes
+from evswarm.env.episodes import Episodes, checked
 
 
 class SwarmParallelEnv(ParallelEnv[str, NDArray[np.float32], NDArray[np.float32]]):
@@ -44,6 +44,7 @@ class SwarmParallelEnv(ParallelEnv[str, NDArray[np.float32], NDArray[np.float32]
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, NDArray[np.float32]], dict[str, dict[str, Any]]]:
         """Begins an episode; the same seed begins the same run."""
+        seed = checked(seed)
         if seed is not None:
             self._draw = np.random.default_rng(seed)
         self.agents = self.possible_agents[:]

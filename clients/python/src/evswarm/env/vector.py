@@ -11,7 +11,7 @@ from gymnasium import spaces
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from evswarm.env.episodes import Episodes
+from evswarm.env.episodes import Episodes, checked
 
 
 class SwarmVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
@@ -46,7 +46,7 @@ class SwarmVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[NDArray[np.float32], dict[str, Any]]:
         """Begins an episode in all; one seed is all that a run has: the first of a list."""
-        first = seed[0] if isinstance(seed, list) else seed
+        first = checked(seed[0] if isinstance(seed, list) else seed)
         super().reset(seed=first)
         self._over = False
         return self._episodes.reset(first, self.np_random), {}
