@@ -91,7 +91,8 @@ fn measure(
     let is_on = !matches!(way, Way::Off);
     let set = ChannelSet::of_spec(is_on);
     let desk = Arc::<Desk>::default();
-    let mut channels = RunChannels::new(settings, "measured", extent, set, desk, Arc::default());
+    let mut channels =
+        RunChannels::new(settings, "measured", extent, set, desk, Arc::default(), &());
     // Opens the channels, so that readers find them.
     step(run, &mut channels, 0.01);
     let count = match way {
