@@ -7,7 +7,7 @@ use crate::error::RecordingError;
 use crate::header::Header;
 use crate::layout::Layout;
 use crate::planes::{Numbers, put_signed};
-use crate::predict::{Directions, Guess, Reckoning};
+use crate::predict::{Directions, Found, Guess, Reckoning};
 use crate::samples::Samples;
 use crate::units::SENSORS;
 
@@ -23,14 +23,14 @@ pub enum Expect {
     Reckoned,
 }
 
-/// Calls for each pose of a row with what is expected, gets the actual pose, in both directions.
+/// Calls for each pose of a row with what is expected, gets what was found, in both directions.
 pub fn follow(
     header: &Header,
     layout: &Layout,
     directions: &Directions,
     expect: Expect,
     row: Row<'_>,
-    mut actual: impl FnMut(usize, Guess) -> Result<[i32; 3], RecordingError>,
+    mut actual: impl FnMut(usize, Guess) -> Result<Found, RecordingError>,
 ) -> Result<(), RecordingError> {
     let mut reckoning = Reckoning::new(&header.drive, directions);
     let (mut start, mut before) = ([0; 3], [0; 3]);
@@ -38,19 +38,20 @@ pub fn follow(
         let begins = layout.begins_epoch(row.first + sample as u64);
         let put_back = begins && header.resets;
         let expected = match expect {
-            _ if put_back => Guess::still(start),
-            _ if begins || sample == 0 => Guess::still(before),
-            Expect::Same => Guess::still(before),
+            _ if put_back => Guess::Still(start),
+            _ if begins || sample == 0 => Guess::Still(before),
+            Expect::Same => Guess::Still(before),
             Expect::Reckoned => reckoning.step([row.left[sample], row.right[sample]]),
         };
-        let is = actual(sample, expected)?;
+        let found = actual(sample, expected)?;
+        let is = found.is;
         if expect == Expect::Reckoned {
             if sample == 0 {
                 reckoning.put(is, row.wheels.map(|ticks| f64::from(ticks) / 1_000.0));
             } else if put_back {
                 reckoning.put(is, [0.0; 2]);
             } else {
-                reckoning.correct(expected, is);
+                reckoning.correct(found);
             }
         }
         if put_back {
@@ -97,12 +98,12 @@ pub fn pose_planes(
             expect,
             of_row,
             |sample, expected| {
-                let is = is(sample);
-                for (plane, off) in planes.iter_mut().zip(expected.off(is)) {
+                let (off, found) = expected.off(is(sample));
+                for (plane, off) in planes.iter_mut().zip(off) {
                     put_signed(plane, off);
                     cost += bits(off);
                 }
-                Ok(is)
+                Ok(found)
             },
         )?;
     }
@@ -147,16 +148,16 @@ fn read_pose(
     numbers: &mut [Numbers<'_>; 3],
     poses: &mut [Vec<i32>; 3],
     expected: Guess,
-) -> Result<[i32; 3], RecordingError> {
+) -> Result<Found, RecordingError> {
     let mut off = [0; 3];
     for (off, numbers) in off.iter_mut().zip(numbers) {
         *off = numbers.next_signed()?;
     }
-    let is = expected.corrected(off);
-    for (column, value) in poses.iter_mut().zip(is) {
+    let found = expected.corrected(off);
+    for (column, value) in poses.iter_mut().zip(found.is) {
         column.push(value);
     }
-    Ok(is)
+    Ok(found)
 }
 
 /// Poses of objects, which stay where they are unless they are pushed.
@@ -177,10 +178,11 @@ pub fn object_planes(
             object_row(samples),
             |sample, expected| {
                 let is = [0, 1, 2].map(|axis: usize| samples.object_pose[axis][from + sample]);
-                for (plane, off) in planes.iter_mut().zip(expected.off(is)) {
+                let (off, found) = expected.off(is);
+                for (plane, off) in planes.iter_mut().zip(off) {
                     put_signed(plane, off);
                 }
-                Ok(is)
+                Ok(found)
             },
         )?;
     }

@@ -39,18 +39,32 @@ impl Directions {
 
 /// Where something is expected.
 #[derive(Clone, Copy)]
-pub struct Guess<'a> {
-    at: [i32; 3],
-    step: Option<Step<'a>>,
+pub enum Guess<'a> {
+    /// Where it was.
+    Still([i32; 3]),
+    /// Where its wheels take it.
+    Rolling(Step<'a>),
+}
+
+/// A pose that is known, and where it was expected.
+#[derive(Clone, Copy)]
+pub struct Found {
+    /// The pose.
+    pub is: [i32; 3],
+    turned: i32,
+    /// Where the step ended of one that rolled, in ticks finer than they are kept.
+    end: Option<[f64; 2]>,
 }
 
 /// A step by the wheels: what it comes to depends on how far the robot turned, as both come of the
 /// same slipping wheels.
 #[derive(Clone, Copy)]
-struct Step<'a> {
+pub struct Step<'a> {
     directions: &'a Directions,
     /// x, y and heading before it, in ticks.
     from: [f64; 3],
+    /// Heading after it without slip.
+    heading: i32,
     /// Turn and way as commanded, in ticks.
     turn: f64,
     way: f64,
@@ -76,25 +90,21 @@ impl Step<'_> {
 }
 
 impl Guess<'_> {
-    /// Where it was.
-    pub fn still(at: [i32; 3]) -> Self {
-        Self { at, step: None }
-    }
-
     /// What a pose is off: on the axis that is nearer to the way; on the other, less what goes
     /// with that; of the heading.
-    pub fn off(&self, is: [i32; 3]) -> [i32; 3] {
-        let turned = is[2].wrapping_sub(self.at[2]);
-        let (at, axes) = self.place(turned);
+    pub fn off(&self, is: [i32; 3]) -> ([i32; 3], Found) {
+        let turned = is[2].wrapping_sub(self.heading());
+        let Place { at, axes, end } = self.place(turned);
         let off = |axis: usize| is[axis].wrapping_sub(at[axis]);
         let along = off(axes.first);
         let beside = off(1 - axes.first).wrapping_sub(axes.aside(along));
-        [along, beside, turned]
+        ([along, beside, turned], Found { is, turned, end })
     }
 
     /// The pose that is off by so much.
-    pub fn corrected(&self, [along, beside, turned]: [i32; 3]) -> [i32; 3] {
-        let ([mut x, mut y], axes) = self.place(turned);
+    pub fn corrected(&self, [along, beside, turned]: [i32; 3]) -> Found {
+        let Place { at, axes, end } = self.place(turned);
+        let [mut x, mut y] = at;
         let across = axes.aside(along).wrapping_add(beside);
         let (first, second) = if axes.first == 0 {
             (&mut x, &mut y)
@@ -103,19 +113,42 @@ impl Guess<'_> {
         };
         *first = first.wrapping_add(along);
         *second = second.wrapping_add(across);
-        [x, y, self.at[2].wrapping_add(turned)]
+        let is = [x, y, self.heading().wrapping_add(turned)];
+        Found { is, turned, end }
     }
 
-    /// The place that is expected of what turned by so much, and the axes to measure from there.
-    fn place(&self, turned: i32) -> ([i32; 2], Axes) {
-        match &self.step {
-            None => ([self.at[0], self.at[1]], Axes::along([1.0, 0.0])),
-            Some(step) => {
+    fn heading(&self) -> i32 {
+        match self {
+            Guess::Still(at) => at[2],
+            Guess::Rolling(step) => step.heading,
+        }
+    }
+
+    /// The place that is expected of what turned by so much.
+    fn place(&self, turned: i32) -> Place {
+        match self {
+            Guess::Still([x, y, _]) => Place {
+                at: [*x, *y],
+                axes: Axes::along([1.0, 0.0]),
+                end: None,
+            },
+            Guess::Rolling(step) => {
                 let (end, along) = step.end(turned);
-                (end.map(nearest), Axes::along(along))
+                Place {
+                    at: end.map(nearest),
+                    axes: Axes::along(along),
+                    end: Some(end),
+                }
             }
         }
     }
+}
+
+/// Where something is expected that turned by so much, and the axes to measure from there.
+struct Place {
+    at: [i32; 2],
+    axes: Axes,
+    end: Option<[f64; 2]>,
 }
 
 /// The axis nearer to a way, 0 or 1, and how much of the other goes with it.
@@ -192,14 +225,15 @@ impl<'a> Reckoning<'a> {
         self.wheels_rad_s = wheels_rad_s;
     }
 
-    /// Where it is expected after a step with these commands.
+    /// Where it is expected after a step with these commands; what was found there corrects it before
+    /// the next.
     pub fn step(&mut self, command: [i16; 2]) -> Guess<'a> {
         for (speed, ticks) in self.wheels_rad_s.iter_mut().zip(command) {
             let wanted = f64::from(ticks) / TICKS_PER_COMMAND * self.top_speed_rad_s - *speed;
             let limit = self.acceleration_rad_s_step;
             *speed += wanted.clamp(-limit, limit);
         }
-        let [left, right] = self.wheels_rad_s;
+        let (from, [left, right]) = (self.at, self.wheels_rad_s);
         let turn = (right - left) * self.turn;
         // Wheels slip by shares of their speeds, each by itself: the regression of way on turn.
         let squares = left * left + right * right;
@@ -208,32 +242,28 @@ impl<'a> Reckoning<'a> {
         } else {
             0.0
         };
-        let step = Step {
+        self.at[2] = wrapped(self.at[2] + turn);
+        Guess::Rolling(Step {
             directions: self.directions,
-            from: self.at,
+            from,
+            heading: nearest(self.at[2]),
             turn,
             way: (left + right) * self.advance,
             way_by_turn,
-        };
-        let (end, _) = step.end(0);
-        let heading = wrapped(self.at[2] + turn);
-        self.at = [end[0], end[1], heading];
-        Guess {
-            at: self.at.map(nearest),
-            step: Some(step),
-        }
+        })
     }
 
     /// Corrects what was expected by what was.
-    pub fn correct(&mut self, expected: Guess<'_>, actual: [i32; 3]) {
-        let turned = actual[2].wrapping_sub(expected.at[2]);
-        if let (Some(step), true) = (&expected.step, turned != 0) {
-            let (end, _) = step.end(turned);
-            self.at = [end[0], end[1], f64::from(actual[2])];
+    pub fn correct(&mut self, found: Found) {
+        if let Some([x, y]) = found.end {
+            [self.at[0], self.at[1]] = [x, y];
+            if found.turned != 0 {
+                self.at[2] = f64::from(found.is[2]);
+            }
         }
-        for (at, actual) in self.at.iter_mut().zip(actual) {
-            if nearest(*at) != actual {
-                *at = f64::from(actual);
+        for (at, is) in self.at.iter_mut().zip(found.is) {
+            if nearest(*at) != is {
+                *at = f64::from(is);
             }
         }
     }
