@@ -9,18 +9,7 @@ use api::controller::Controller;
 use api::external::{RobotSense, WheelCommand};
 use api::reader::FrameReader;
 use rustix::process::{Pid, Signal, kill_process};
-
-/// What ps0 to ps7 add to the left and to the right wheel.
-const WEIGHTS: [[f32; 2]; 8] = [
-    [0.942, -0.22],
-    [0.63, -0.1],
-    [0.5, -0.06],
-    [-0.06, -0.06],
-    [-0.06, -0.06],
-    [-0.06, 0.5],
-    [-0.19, 0.63],
-    [-0.13, 0.942],
-];
+use swarm::methods::BRAITENBERG_WEIGHTS;
 
 /// Time between two looks of a reader, a fraction of that between two frames.
 const LOOK: Duration = Duration::from_millis(4);
@@ -96,7 +85,7 @@ pub fn be(be: &[String]) -> Result<()> {
 
 fn act(robot: &RobotSense, command: &mut WheelCommand) {
     let mut sum = [0.0_f32; 2];
-    for (weights, value) in WEIGHTS.iter().zip(robot.sensors) {
+    for (weights, value) in BRAITENBERG_WEIGHTS.iter().zip(robot.sensors) {
         let part = 1.0 - value / 512.0;
         sum[0] += weights[0] * part;
         sum[1] += weights[1] * part;

@@ -9,21 +9,23 @@ use std::time::Instant;
 use anyhow::{Context, Result, anyhow};
 use serde_json::json;
 use server::channels::External;
+use swarm::methods::BRAITENBERG_WEIGHTS;
 use swarm::run::Run;
 
 use super::options::{Options, spec};
 use super::others::Other;
 use crate::measure::quantile;
 
-/// A Braitenberg vehicle for all robots at once.
-const PYTHON: &str = r"
+/// A Braitenberg vehicle for all robots at once, in Python.
+fn python_program() -> String {
+    format!(
+        r"
 import sys
 from pathlib import Path
 import numpy as np
 from evswarm.channels import Controller, steer
 
-WEIGHTS = np.array([[0.942, -0.22], [0.63, -0.1], [0.5, -0.06], [-0.06, -0.06], [-0.06, -0.06],
-                    [-0.06, 0.5], [-0.19, 0.63], [-0.13, 0.942]], np.float32)
+WEIGHTS = np.array({BRAITENBERG_WEIGHTS:?}, np.float32)
 
 class Braitenberg(Controller):
     def act(self, readings):
@@ -31,7 +33,9 @@ class Braitenberg(Controller):
         return np.clip(np.float32(0.5) * (part @ WEIGHTS), -1, 1)
 
 steer(sys.argv[1], Braitenberg(), root=Path(sys.argv[2]), idle_s=600)
-";
+"
+    )
+}
 
 pub fn print(options: &Options) -> Result<()> {
     let robots = match options.robots.is_empty() {
@@ -52,7 +56,8 @@ pub fn print(options: &Options) -> Result<()> {
         }
         if let Some(python) = &options.python {
             measure(options, robots, "Python", |name, root| {
-                Other::of(Command::new(python).args(["-c", PYTHON, name]).arg(root))
+                let program = python_program();
+                Other::of(Command::new(python).args(["-c", &program, name]).arg(root))
             })?;
         }
     }

@@ -51,7 +51,7 @@ impl Scheduler {
         if job.intent == Intent::Cancelled {
             return Err(ControlError::Ended("job", Life::Cancelled));
         }
-        let _changing = self.change(job.seq);
+        let _changing = self.changing.begin(job.seq);
         let store = &self.shared.store;
         let text = store.document(job.seq)?.ok_or(ControlError::NoDocument)?;
         let document = crate::documents::parse(&text).map_err(ControlError::Invalid)?;
@@ -130,7 +130,7 @@ impl Scheduler {
     /// # Errors
     /// `Store`.
     pub fn set_priority(&self, job: JobKey, priority: i32) -> Result<(), ControlError> {
-        let _changing = self.change(job);
+        let _changing = self.changing.begin(job);
         self.shared.store.set_priority(job, priority)?;
         self.shared.state().queue.set_priority(job, priority);
         Ok(())
@@ -229,7 +229,7 @@ impl Scheduler {
 
     fn requeue_jobs_of(&self, run: RunKey) -> Result<(), ControlError> {
         for job in self.shared.store.jobs_of(run)? {
-            let _changing = self.change(job);
+            let _changing = self.changing.begin(job);
             self.requeue(job)?;
         }
         Ok(())

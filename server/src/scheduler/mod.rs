@@ -4,6 +4,7 @@
 
 mod arenas;
 mod attempt;
+mod changing;
 mod config;
 mod control;
 mod control_error;

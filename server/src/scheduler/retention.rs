@@ -36,7 +36,7 @@ impl Scheduler {
             if !too_old && !too_large {
                 continue;
             }
-            let _changing = self.change(job.seq);
+            let _changing = self.changing.begin(job.seq);
             // It may have been tried again or extended since it was looked at.
             if !store.has_ended(job.seq)? {
                 continue;

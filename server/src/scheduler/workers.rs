@@ -1,7 +1,7 @@
 //! The worker threads, the queue that they take runs from, and whoever changes what is wanted.
 
 use std::any::Any;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
@@ -12,6 +12,7 @@ use swarm::run::Run;
 use tokio::sync::oneshot;
 
 use super::attempt::{self, Ended};
+use super::changing::Changing;
 use super::config::SchedulerConfig;
 use super::controllers;
 use super::counters::Counters;
@@ -33,10 +34,7 @@ const RETRY: Duration = Duration::from_secs(2);
 pub struct Scheduler {
     pub(super) shared: Arc<Shared>,
     pub(super) workers: Mutex<Vec<JoinHandle<()>>>,
-    /// Jobs of which store and queue are being changed together, so that both see changes in one
-    /// order.
-    pub(super) changing: Mutex<BTreeSet<JobKey>>,
-    pub(super) changed_one: Condvar,
+    pub(super) changing: Changing,
 }
 
 pub(super) struct Shared {
@@ -84,8 +82,7 @@ impl Scheduler {
         let scheduler = Self {
             shared,
             workers: Mutex::default(),
-            changing: Mutex::default(),
-            changed_one: Condvar::new(),
+            changing: Changing::default(),
         };
         for number in 0..workers {
             let shared = Arc::clone(&scheduler.shared);
@@ -134,7 +131,7 @@ impl Scheduler {
     /// # Errors
     /// When the store fails.
     pub fn set_intent(&self, job: JobKey, intent: Intent) -> Result<(), StoreError> {
-        let _changing = self.change(job);
+        let _changing = self.changing.begin(job);
         let store = &self.shared.store;
         let changed = store.set_intent(job, intent)?;
         if intent == Intent::Active {
@@ -153,7 +150,7 @@ impl Scheduler {
     /// # Errors
     /// When the store fails.
     pub fn retry(&self, job: JobKey) -> Result<(), StoreError> {
-        let _changing = self.change(job);
+        let _changing = self.changing.begin(job);
         self.shared.store.retry(job)?;
         let waiting = self.shared.store.waiting(job)?;
         self.shared.state().queue.set(job, waiting);
@@ -166,7 +163,7 @@ impl Scheduler {
     /// # Errors
     /// When the store fails.
     pub fn delete(&self, job: JobKey) -> Result<(), StoreError> {
-        let _changing = self.change(job);
+        let _changing = self.changing.begin(job);
         self.delete_changing(job)
     }
 
@@ -279,21 +276,6 @@ impl Scheduler {
         }
     }
 
-    /// Waits until nobody else changes the job.
-    pub(super) fn change(&self, job: JobKey) -> Change<'_> {
-        let changing = self.changing.lock().unwrap_or_else(PoisonError::into_inner);
-        let is_changed = |changing: &mut BTreeSet<JobKey>| changing.contains(&job);
-        let mut changing = self
-            .changed_one
-            .wait_while(changing, is_changed)
-            .unwrap_or_else(PoisonError::into_inner);
-        changing.insert(job);
-        Change {
-            scheduler: self,
-            job,
-        }
-    }
-
     pub(super) fn workers(&self) -> MutexGuard<'_, Vec<JoinHandle<()>>> {
         self.workers.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -308,22 +290,6 @@ pub struct Busy {
     pub seconds: f64,
     /// How far the run is; `None` while it is set up.
     pub view: Option<Arc<View>>,
-}
-
-/// While it lives, a job is changed by whoever has it alone.
-pub(super) struct Change<'a> {
-    scheduler: &'a Scheduler,
-    job: JobKey,
-}
-
-impl Drop for Change<'_> {
-    fn drop(&mut self) {
-        let changing = &self.scheduler.changing;
-        let mut changing = changing.lock().unwrap_or_else(PoisonError::into_inner);
-        changing.remove(&self.job);
-        drop(changing);
-        self.scheduler.changed_one.notify_all();
-    }
 }
 
 impl Drop for Scheduler {

@@ -15,6 +15,7 @@ mod walker;
 
 use serde::{Deserialize, Serialize};
 
+pub use braitenberg::WEIGHTS as BRAITENBERG_WEIGHTS;
 pub use definition::{Definition, Explores, Trains};
 pub use external::ExternalParameters;
 
