@@ -148,18 +148,15 @@ impl Phases<'_> {
     pub fn sense(&self, cells: &Cells, first: usize, bodies: &mut [Body], near: &mut NearChunk) {
         let (optics, poses) = (self.optics, self.poses);
         let mut seen: Seen = [[0.0; 2]; MOST_SEEN];
-        for place in 0..bodies.len() {
-            if self.is_large {
-                if let Some(body) = bodies.get(place + 2 * AHEAD) {
-                    prefetch(self.index.cell(body.x_m, body.y_m));
-                }
-                if let Some(body) = bodies.get(place + AHEAD)
-                    && let Some(list) = self.index.list(body.x_m, body.y_m)
-                {
-                    prefetch(list);
-                }
+        if self.is_large {
+            for body in &*bodies {
+                prefetch(self.index.cell(body.x_m, body.y_m));
             }
-            let body = &mut bodies[place];
+            for list in bodies.iter().filter_map(|b| self.index.list(b.x_m, b.y_m)) {
+                prefetch(list);
+            }
+        }
+        for (place, body) in bodies.iter_mut().enumerate() {
             let slot = first + place;
             let (x_m, y_m) = (body.x_m, body.y_m);
             // Before the walls: who is in sight is not known at once, and needed after them.
