@@ -152,7 +152,7 @@ pub const REFUSED: &[RefusedCase] = &[
         InvalidDocument,
     ),
     service("what a cancelled run covered", FindingsNotKept),
-    service("cancelling what has ended", AlreadyEnded),
+    service("cancelling what is done or failed", AlreadyEnded),
     service("opening channels of a run that has ended", AlreadyEnded),
     service("resuming or trying again what is done", AlreadyEnded),
     service("trying again a job that has not ended", NotEnded),

@@ -42,7 +42,7 @@ fn compiled(home: &Path, name: &str) -> PathBuf {
 fn spec(method: Value) -> Value {
     json!({
         "arena": { "from": "easy", "tile": [2, 2] }, "robots": 7, "placement": "grid", "seed": 5,
-        "controller": method, "epochs": 150, "steps_per_epoch": 200, "channels": true,
+        "controller": method, "epochs": 1_000, "steps_per_epoch": 200, "channels": true,
     })
 }
 

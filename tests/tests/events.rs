@@ -258,3 +258,35 @@ fn what_cannot_be_listened_to_is_refused() {
         server.send("GET", &path, &heard, b"").problem(400);
     }
 }
+
+#[test]
+fn the_stream_of_a_deleted_run_ends() {
+    let home = tempfile::tempdir().unwrap();
+    let server = Server::start_with(home.path(), &["--threads", "1"]);
+    let mut spec = small_spec();
+    spec["epochs"] = json!(100_000);
+    spec["steps_per_epoch"] = json!(2_000);
+    // One that is stepped, and one that waits.
+    let posted = server.submit(&job(spec, 2));
+    for run in server.runs(&posted) {
+        let mut listener = server.listen(&format!("/v1/runs/{}/events", run.id), None);
+        assert!(listener.next().is_some());
+        let answer = server.send("DELETE", &format!("/v1/runs/{}", run.id), &[], b"");
+        assert_eq!(answer.status, 204, "{}", answer.text());
+        while listener.next().is_some() {}
+    }
+}
+
+/// As of another data directory: an older backup, for one.
+#[test]
+fn whoever_comes_back_with_a_number_from_the_future_hears_of_what_comes() {
+    let home = tempfile::tempdir().unwrap();
+    let server = Server::start(home.path());
+    let mut listener = server.listen("/v1/events", Some("1000000"));
+    let posted = server.submit(&job(small_spec(), 1));
+    let run = server.only_run(&posted).id;
+    let is_done = |event: &Event| {
+        matches!(event, Event::State(change) if change.run_id == run && change.state == State::Done)
+    };
+    listener.until(is_done);
+}

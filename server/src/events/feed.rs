@@ -63,6 +63,8 @@ struct State {
     and_run: Option<(RunKey, String)>,
     /// Number of the last change that was told; `None` before the first look.
     after: Option<u64>,
+    /// It came with a number, and has not been answered: that may be one of another database.
+    comes_back: bool,
     /// More changes than one look takes in: the next look is at once.
     is_behind: bool,
     job: Option<Job>,
@@ -95,6 +97,7 @@ impl Feed {
                 subject,
                 and_run,
                 after: heard,
+                comes_back: heard.is_some(),
                 is_behind: false,
                 job: None,
                 all: None,
@@ -155,7 +158,7 @@ impl State {
             (None, _) => self.hub.store.newest_change()?,
         };
         self.is_behind = false;
-        if after < newest {
+        if std::mem::take(&mut self.comes_back) || after < newest {
             let changes = self.hub.store.changes(self.subject, after)?;
             after = changes.after;
             is_incomplete |= changes.is_incomplete;
@@ -197,7 +200,7 @@ impl State {
             }
             Subject::Run(key) => {
                 let is_wanted = id.is_some() || has_ended(&told, None);
-                self.look_at_run(key, id, is_wanted, &mut told)?
+                self.hub.store.has_run(key)? && self.look_at_run(key, id, is_wanted, &mut told)?
             }
         };
         Ok(there.then_some(told))

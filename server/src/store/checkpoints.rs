@@ -32,7 +32,7 @@ pub struct Checkpoint {
 #[derive(Debug, thiserror::Error)]
 pub enum CheckpointError {
     /// It was cut short, changed, or written by another version.
-    #[error("the checkpoint of run {run} is damaged or of another version: {why}")]
+    #[error("the checkpoint cannot be used for run {run}: {why}")]
     Damaged {
         /// The run.
         run: String,

@@ -171,6 +171,17 @@ impl Store {
         Ok(log(&self.connection(), run, what)?)
     }
 
+    /// Whether there is such a run.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn has_run(&self, run: RunKey) -> Result<bool, StoreError> {
+        Ok(self
+            .reader()
+            .prepare_cached("SELECT 1 FROM runs WHERE seq = ?1")?
+            .exists([run])?)
+    }
+
     /// Robot-steps that a run had done when it was last let go of.
     ///
     /// # Errors

@@ -277,7 +277,7 @@ fn what_contradicts_the_state_of_things_is_refused() {
     let done = server.wait_for(&server.submit(&job(small_spec(), 1)));
     server
         .send("POST", &format!("/v1/jobs/{}/cancel", done.id), &[], b"")
-        .refused("cancelling what has ended");
+        .refused("cancelling what is done or failed");
     for what in ["resume", "retry"] {
         server
             .send("POST", &format!("/v1/jobs/{}/{what}", done.id), &[], b"")
@@ -286,7 +286,7 @@ fn what_contradicts_the_state_of_things_is_refused() {
     let run = server.only_run(&done).id;
     server
         .send("POST", &format!("/v1/runs/{run}/cancel"), &[], b"")
-        .refused("cancelling what has ended");
+        .refused("cancelling what is done or failed");
     server
         .post(
             &format!("/v1/runs/{run}/channels"),
