@@ -285,8 +285,6 @@ fn whoever_comes_back_with_a_number_from_the_future_hears_of_what_comes() {
     let mut listener = server.listen("/v1/events", Some("1000000"));
     let posted = server.submit(&job(small_spec(), 1));
     let run = server.only_run(&posted).id;
-    let is_done = |event: &Event| {
-        matches!(event, Event::State(change) if change.run_id == run && change.state == State::Done)
-    };
+    let is_done = |event: &Event| matches!(event, Event::State(change) if change.run_id == run && change.state == State::Done);
     listener.until(is_done);
 }
