@@ -149,14 +149,10 @@ impl FreeSpace {
         Some(space)
     }
 
-    /// Where a gap of the line at `y_m` is.
-    fn gap(&self, y_m: f64, between: Between) -> Gap {
-        let meets = |zone: u32| self.zones[zone as usize].crossing(y_m, self.radius_m);
-        let (before, after) = (meets(between.before), meets(between.after));
-        Gap {
-            from_m: before.map_or(f64::NAN, |[_, to_m]| to_m),
-            to_m: after.map_or(f64::NAN, |[from_m, _]| from_m),
-        }
+    /// From where to where a zone that bounds a gap of the line at `y_m` meets it.
+    fn meets(&self, y_m: f64, zone: u32) -> [f64; 2] {
+        let crossing = self.zones[zone as usize].crossing(y_m, self.radius_m);
+        crossing.unwrap_or([f64::NAN; 2])
     }
 
     /// Where a line lies.
@@ -177,9 +173,9 @@ impl FreeSpace {
         let Line { y_m, gaps } = self.lines.get(line)?;
         let first = gaps.start;
         let gaps = &self.gaps[gaps.clone()];
-        let gap = |between: &Between| self.gap(*y_m, *between);
-        let next = gaps.partition_point(|between| gap(between).to_m + TOLERANCE_M < point.x);
-        let from_m = gap(gaps.get(next)?).from_m;
+        let is_before = |gap: &Between| self.meets(*y_m, gap.after)[0] + TOLERANCE_M < point.x;
+        let next = gaps.partition_point(is_before);
+        let [_, from_m] = self.meets(*y_m, gaps.get(next)?.before);
         (from_m - TOLERANCE_M <= point.x).then_some(first + next)
     }
 
@@ -203,11 +199,13 @@ impl FreeSpace {
         self.sets = Sets::default();
     }
 
-    /// The gaps of a line, each with its number.
-    pub fn gaps_of(&self, line: usize) -> impl Iterator<Item = (usize, Gap)> {
+    /// Those gaps of a line that are reached.
+    pub fn reached_on(&self, line: usize, reached: &[bool]) -> impl Iterator<Item = Gap> {
         let Line { y_m, gaps } = &self.lines[line];
-        gaps.clone()
-            .map(|gap| (gap, self.gap(*y_m, self.gaps[gap])))
+        gaps.clone().filter(|&gap| reached[gap]).map(|gap| Gap {
+            from_m: self.meets(*y_m, self.gaps[gap].before)[1],
+            to_m: self.meets(*y_m, self.gaps[gap].after)[0],
+        })
     }
 }
 

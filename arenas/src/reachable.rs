@@ -172,7 +172,7 @@ impl SampleRows {
             while space.y_m(line) < y_m {
                 line += 1;
             }
-            for (_, gap) in space.gaps_of(line).filter(|&(gap, _)| reached[gap]) {
+            for gap in space.reached_on(line, reached) {
                 // Casts of negative numbers give 0.
                 let first = (gap.from_m * points_per_m - 0.5).ceil() as u32;
                 let end = (gap.to_m * points_per_m - 0.5).floor();

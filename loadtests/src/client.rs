@@ -3,7 +3,7 @@
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use http_body_util::{BodyExt, Full};
 use hyper::body::{Bytes, Incoming};
 use hyper::client::conn::http1::{SendRequest, handshake};
@@ -13,6 +13,9 @@ use tokio::net::TcpStream;
 
 /// Longest that an answer is waited for.
 pub const LIMIT: Duration = Duration::from_secs(30);
+
+/// Time between two looks for the end of a job.
+const LOOK_EVERY: Duration = Duration::from_millis(50);
 
 /// An answer and how long it took.
 pub struct Answer {
@@ -59,6 +62,19 @@ impl Client {
     /// Deletes.
     pub async fn delete(&mut self, path: &str) -> Result<Answer> {
         self.ask(Method::DELETE, path, None).await
+    }
+
+    /// Waits until the newest job is done, which is taken up after all others.
+    pub async fn newest_job_is_done(&mut self) -> Result<()> {
+        loop {
+            let page = self.get("/v1/jobs?limit=1").await?.json()?;
+            let state = &page["items"].get(0).context("no list of jobs")?["state"];
+            ensure!(state != "failed", "the job failed");
+            if state == "done" {
+                return Ok(());
+            }
+            tokio::time::sleep(LOOK_EVERY).await;
+        }
     }
 
     async fn ask(&mut self, method: Method, path: &str, body: Option<String>) -> Result<Answer> {

@@ -1,9 +1,7 @@
 //! `loadtests memory`: what a server holds while many short runs and many small jobs pass through
 //! it. After a warm-up it has to stay as it is.
 
-use std::time::Duration;
-
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
 use serde_json::json;
 
 use crate::client::Client;
@@ -45,18 +43,18 @@ pub fn run(options: &Options) -> Result<()> {
         let mut client = Client::new(server.address());
         let mut passed = Work { seeds: 1 };
         passed.post(&mut client, options.warm).await?;
-        is_done(&mut client).await?;
+        client.newest_job_is_done().await?;
         let (mut runs, mut jobs) = (Vec::new(), Vec::new());
         for _ in 0..LOOKS {
             passed.post(&mut client, options.runs / LOOKS).await?;
-            is_done(&mut client).await?;
+            client.newest_job_is_done().await?;
             runs.push(server.resident_bytes()?);
         }
         for _ in 0..LOOKS {
             for _ in 0..options.jobs / LOOKS {
                 passed.post(&mut client, 1).await?;
             }
-            is_done(&mut client).await?;
+            client.newest_job_is_done().await?;
             jobs.push(server.resident_bytes()?);
         }
         let lines = [
@@ -112,17 +110,5 @@ impl Work {
         ensure!(answer.status == 201, "{:?}", answer.body);
         self.seeds += runs;
         Ok(())
-    }
-}
-
-/// Waits until the newest job is done, which is taken up after all others.
-async fn is_done(client: &mut Client) -> Result<()> {
-    loop {
-        let page = client.get("/v1/jobs?limit=1").await?.json()?;
-        let newest = page["items"].get(0).context("no list of jobs")?;
-        if newest["state"] == "done" {
-            return Ok(());
-        }
-        tokio::time::sleep(Duration::from_millis(100)).await;
     }
 }

@@ -114,10 +114,16 @@ fn worker_ticks(task: &Path) -> Option<u64> {
     if !name.starts_with("worker") {
         return None;
     }
-    let stat = std::fs::read_to_string(task.join("stat")).ok()?;
-    // The name in brackets may hold spaces; fields 14 and 15 are counted from the first.
-    let fields: Vec<&str> = stat.rsplit(") ").next()?.split(' ').collect();
-    Some(fields.get(11)?.parse::<u64>().ok()? + fields.get(12)?.parse::<u64>().ok()?)
+    ticks(&task.join("stat"), [14, 15])
+}
+
+/// The sum of two fields of a `stat` below `/proc`, by their numbers in `man proc`, after the name.
+pub fn ticks(stat: &Path, fields: [usize; 2]) -> Option<u64> {
+    let stat = std::fs::read_to_string(stat).ok()?;
+    // The name in brackets, the second field, may hold spaces.
+    let rest: Vec<&str> = stat.rsplit(") ").next()?.split(' ').collect();
+    let field = |number: usize| rest.get(number - 3)?.parse::<u64>().ok();
+    Some(field(fields[0])? + field(fields[1])?)
 }
 
 impl Drop for Server {

@@ -3,13 +3,14 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
 use serde_json::{Value, json};
 
 use crate::client::Client;
 use crate::instructions::load_average;
+use crate::measure::quantile;
 use crate::server::{self, Server, TICKS_A_SECOND};
 
 /// How much.
@@ -80,7 +81,7 @@ pub fn run(options: &Options) -> Result<()> {
         let median = |figure: fn(&Round) -> f64| {
             let mut all: Vec<f64> = rounds.iter().map(figure).collect();
             all.sort_by(f64::total_cmp);
-            all[all.len() / 2]
+            quantile(&all, 0.5)
         };
         println!(
             "medians of {} rounds: {:.0} runs a second, {:.2} ms of a worker each; start {:.1} ms  ({})",
@@ -109,15 +110,7 @@ async fn through_the_service(options: &Options, program: &Path, home: &Path) -> 
     let started = Instant::now();
     let answer = client.post("/v1/jobs", Some(job.to_string())).await?;
     ensure!(answer.status == 201, "{:?}", answer.body);
-    loop {
-        let page = client.get("/v1/jobs?limit=1").await?.json()?;
-        let state = &page["items"].get(0).context("no list of jobs")?["state"];
-        if state == "done" {
-            break;
-        }
-        ensure!(state != "failed", "the job failed");
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
+    client.newest_job_is_done().await?;
     let wall_s = started.elapsed().as_secs_f64();
     let runs = options.runs as f64;
     let cpu_s = server.stepping_cpu_s()? - before_s;
@@ -146,12 +139,5 @@ fn starts(options: &Options, program: &Path, home: &Path) -> Result<f64> {
 
 /// User and system time of children that have ended, in ticks.
 fn ticks_of_children() -> Result<u64> {
-    let stat = std::fs::read_to_string("/proc/self/stat")?;
-    let rest = stat.rsplit(") ").next().context("no /proc/self/stat")?;
-    let fields: Vec<&str> = rest.split(' ').collect();
-    let field = |number: usize| -> Result<u64> {
-        let text = fields.get(number).context("a short /proc/self/stat")?;
-        Ok(text.parse()?)
-    };
-    Ok(field(13)? + field(14)?)
+    server::ticks(Path::new("/proc/self/stat"), [16, 17]).context("no /proc/self/stat")
 }

@@ -1,8 +1,8 @@
 //! Listeners hear every change of state, in order, whether they are slow or come back.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use api::State;
 use api::events::{Event, StateChange};
+use api::{Job, State};
 use serde_json::json;
 use tests::events::Heard;
 use tests::server::Server;
@@ -53,14 +53,19 @@ fn a_run_is_followed_to_its_result() {
     assert_eq!(last.result, server.only_run(&posted).result);
 }
 
+/// Two runs that do not end by themselves.
+fn endless(server: &Server) -> Job {
+    let mut spec = small_spec();
+    spec["epochs"] = json!(100_000);
+    spec["steps_per_epoch"] = json!(2_000);
+    server.submit(&job(spec, 2))
+}
+
 #[test]
 fn whoever_comes_back_misses_no_change() {
     let home = tempfile::tempdir().unwrap();
     let server = Server::start_with(home.path(), &["--threads", "1"]);
-    let mut spec = small_spec();
-    spec["epochs"] = json!(100_000);
-    spec["steps_per_epoch"] = json!(2_000);
-    let posted = server.submit(&job(spec, 2));
+    let posted = endless(&server);
     let path = format!("/v1/jobs/{}/events", posted.id);
     let first = server.listen(&path, None).next().unwrap();
     assert!(matches!(&first.event, Event::Job(shown) if shown.id == posted.id));
@@ -263,11 +268,8 @@ fn what_cannot_be_listened_to_is_refused() {
 fn the_stream_of_a_deleted_run_ends() {
     let home = tempfile::tempdir().unwrap();
     let server = Server::start_with(home.path(), &["--threads", "1"]);
-    let mut spec = small_spec();
-    spec["epochs"] = json!(100_000);
-    spec["steps_per_epoch"] = json!(2_000);
     // One that is stepped, and one that waits.
-    let posted = server.submit(&job(spec, 2));
+    let posted = endless(&server);
     for run in server.runs(&posted) {
         let mut listener = server.listen(&format!("/v1/runs/{}/events", run.id), None);
         assert!(listener.next().is_some());

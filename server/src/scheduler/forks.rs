@@ -55,13 +55,6 @@ impl Scheduler {
                 "that number, or none: a run is brought to another epoch by pause and step",
             )]));
         }
-        if resolved.run_spec().epochs < stands {
-            return Err(ControlError::Invalid(vec![FieldError::new(
-                "/changes/epochs",
-                format!("the state that it goes on from has {stands} counted epochs"),
-                "more epochs than that",
-            )]));
-        }
         let origin_spec = self.resolved(run)?;
         let begun = restored(|| {
             Run::forked(

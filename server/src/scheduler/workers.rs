@@ -185,9 +185,6 @@ impl Scheduler {
     /// When the store fails.
     pub fn cancel_run(&self, run: RunKey) -> Result<bool, StoreError> {
         let cancelled = self.shared.store.cancel_run(run)?;
-        if cancelled.is_some() {
-            self.shared.store.note(run, "cancelled")?;
-        }
         self.shared.let_go(cancelled.as_slice(), true);
         Ok(cancelled.is_some())
     }

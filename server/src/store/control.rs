@@ -8,11 +8,9 @@ use rusqlite::{Connection, OptionalExtension, params};
 use super::changes::{PART, Part, requeue, settle};
 use super::creation::{CreateJobError, NewJob, NewRun, add_runs, check_room};
 use super::keys::{JobKey, RunKey};
+use super::log::log;
 use super::runs::StoppedRun;
 use super::{Store, StoreError, from_sql, to_sql};
-
-/// Most entries kept of a run's log; the oldest go.
-const LOG_ENTRIES: u32 = 1_000;
 
 /// What was changed of a run, and when.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -301,24 +299,6 @@ fn add_part(connection: &Connection, job: JobKey, runs: &[&NewRun]) -> rusqlite:
     let part = Part::of(from, runs.len());
     requeue(connection, job, part)?;
     settle(connection, job, part)?;
-    Ok(())
-}
-
-/// Notes what was changed of a run, and where it stood.
-fn log(connection: &Connection, run: RunKey, what: &str) -> rusqlite::Result<()> {
-    connection
-        .prepare_cached(
-            "INSERT INTO run_log (run, robot_steps_done, what)
-             SELECT seq, CASE state WHEN 'running' THEN NULL ELSE robot_steps_done END, ?2
-             FROM runs WHERE seq = ?1",
-        )?
-        .execute(params![run, what])?;
-    connection
-        .prepare_cached(
-            "DELETE FROM run_log WHERE run = ?1 AND seq <= (
-                SELECT seq FROM run_log WHERE run = ?1 ORDER BY seq DESC LIMIT 1 OFFSET ?2)",
-        )?
-        .execute(params![run, LOG_ENTRIES])?;
     Ok(())
 }
 

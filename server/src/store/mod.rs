@@ -21,6 +21,7 @@ mod jobs;
 mod keys;
 mod lists;
 mod lock;
+mod log;
 mod look;
 mod migrations;
 mod private;

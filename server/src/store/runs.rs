@@ -5,6 +5,7 @@ use rusqlite::{Connection, OptionalExtension, Row, params};
 use sha2::{Digest, Sha256};
 
 use super::keys::{JobKey, RunKey};
+use super::log::log;
 use super::state::{Position, RunState};
 use super::{Store, StoreError, from_sql, to_sql};
 
@@ -238,8 +239,9 @@ impl Store {
     /// # Errors
     /// When the database fails.
     pub fn cancel_run(&self, run: RunKey) -> Result<Option<StoppedRun>, StoreError> {
-        Ok(self
-            .connection()
+        let mut connection = self.connection();
+        let transaction = connection.transaction()?;
+        let cancelled = transaction
             .prepare_cached(
                 "UPDATE runs SET state = 'cancelled'
                  WHERE seq = ?1 AND state IN ('queued', 'running', 'paused') RETURNING seq, id",
@@ -250,7 +252,12 @@ impl Store {
                     id: row.get(1)?,
                 })
             })
-            .optional()?)
+            .optional()?;
+        if cancelled.is_some() {
+            log(&transaction, run, "cancelled")?;
+        }
+        transaction.commit()?;
+        Ok(cancelled)
     }
 
     /// Whether a run exists and has not ended.

@@ -109,13 +109,15 @@ impl Crowd {
         let diameter_m = 2.0 * contact.radius_m;
         let limit_m = diameter_m - 0.5 * OVERLAP_M;
         for iteration in 0..ITERATIONS {
-            if shared && iteration == 0 {
-                self.push_overlapping(contact, index, diameter_m, limit_m * limit_m, bodies);
-            } else {
-                if iteration == 0 {
-                    self.activate_overlapping(limit_m * limit_m);
+            match (iteration, shared) {
+                (0, true) => {
+                    self.push_overlapping(contact, index, limit_m * limit_m, bodies);
                 }
-                self.push_all(contact, index, diameter_m, bodies, shared);
+                (0, false) => {
+                    self.activate_overlapping(limit_m * limit_m);
+                    self.push_all(contact, index, bodies, false);
+                }
+                _ => self.push_all(contact, index, bodies, shared),
             }
             if self.moved_count == 0 {
                 return;
@@ -147,7 +149,6 @@ impl Crowd {
         &mut self,
         contact: &Contact,
         index: &WallIndex,
-        diameter_m: f32,
         limit_m2: f32,
         bodies: &[Body],
     ) {
@@ -164,11 +165,8 @@ impl Crowd {
                 let overlapping = overlapping(near, chunk, limit_m2, at_m, slots);
                 *found = 0;
                 for &i in &slots[..overlapping] {
-                    let aim = push(i as usize, near, contact, diameter_m, at_m, bodies);
-                    if let Some((x_m, y_m)) = aim {
-                        let from_m = bodies[i as usize].from_m;
-                        let [x_m, y_m] = contact.free_of_walls(index, from_m, [x_m, y_m]);
-                        moved[*found as usize] = (i, x_m, y_m);
+                    if let Some(aim) = push(i, near, contact, index, at_m, bodies) {
+                        moved[*found as usize] = aim;
                         *found += 1;
                     }
                 }
@@ -183,22 +181,10 @@ impl Crowd {
 
     /// Finds where the active robots go when every overlap they have is pushed apart.
     #[inline(always)]
-    fn push_all(
-        &mut self,
-        contact: &Contact,
-        index: &WallIndex,
-        diameter_m: f32,
-        bodies: &[Body],
-        shared: bool,
-    ) {
+    fn push_all(&mut self, contact: &Contact, index: &WallIndex, bodies: &[Body], shared: bool) {
         let (near, active) = (&self.near, &self.active[..self.active_count]);
         let places = &self.places[..];
-        let push = |i: u32| {
-            let (x_m, y_m) = push(i as usize, near, contact, diameter_m, places, bodies)?;
-            let body = &bodies[i as usize];
-            let [x_m, y_m] = contact.free_of_walls(index, body.from_m, [x_m, y_m]);
-            Some((i, x_m, y_m))
-        };
+        let push = |i: u32| push(i, near, contact, index, places, bodies);
         let mut count = 0;
         if shared && active.len() >= SHARED {
             let moved = &mut self.moved[..active.len()];
@@ -323,17 +309,20 @@ fn overlapping(
     count
 }
 
-/// Where robot `i` goes when every overlap it has is pushed apart, or `None` without overlap.
+/// Where a robot goes when every overlap it has is pushed apart, free of walls; `None` without
+/// overlap.
 #[inline(always)]
 fn push(
-    i: usize,
+    slot: u32,
     near: &Near,
     contact: &Contact,
-    diameter_m: f32,
+    index: &WallIndex,
     places: &[Place],
     bodies: &[Body],
-) -> Option<(f32, f32)> {
-    let ([x, y], [from_x, from_y]) = (places[i], bodies[i].from_m);
+) -> Option<Move> {
+    let i = slot as usize;
+    let ([x, y], from_m @ [from_x, from_y]) = (places[i], bodies[i].from_m);
+    let diameter_m = 2.0 * contact.radius_m;
     let limit = diameter_m - 0.5 * OVERLAP_M;
     let (mut px, mut py, mut overlaps) = (0.0, 0.0, false);
     for other in near.of(i).iter().map(|pair| pair.other()) {
@@ -370,5 +359,7 @@ fn push(
         way_x *= longest / way;
         way_y *= longest / way;
     }
-    Some((from_x + way_x, from_y + way_y))
+    let aim_m = [from_x + way_x, from_y + way_y];
+    let [x_m, y_m] = contact.free_of_walls(index, from_m, aim_m);
+    Some((slot, x_m, y_m))
 }

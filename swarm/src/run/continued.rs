@@ -4,8 +4,8 @@
 use super::machine::Run;
 use super::metrics::has_row;
 use super::outcome::RestoreError;
-use super::snapshot::{digest, restore_of};
-use crate::spec::{ControllerParameters, FieldError, RunSpec};
+use super::snapshot::{digest, restore_of, too_few_epochs};
+use crate::spec::{ControllerParameters, RunSpec};
 use crate::validate::ValidSpec;
 
 /// Fields of a run spec that may be others when a run goes on from a state: those that no part of
@@ -62,12 +62,8 @@ impl Run {
         }
         let mut run = restore_of(spec, digest(origin), bytes)?;
         let done = run.curve().len() as u32;
-        if run.spec.epochs < done || (run.stage().is_none() && run.spec.epochs <= done) {
-            return Err(RestoreError::Spec(vec![FieldError {
-                pointer: "/epochs".to_owned(),
-                message: format!("the state that it goes on from has {done} counted epochs"),
-                allowed: "more epochs than that".to_owned(),
-            }]));
+        if run.stage().is_none() && run.spec.epochs <= done {
+            return Err(too_few_epochs(done));
         }
         if run.stage().is_none() {
             run.go_on(origin.epochs)?;

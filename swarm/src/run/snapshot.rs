@@ -17,7 +17,7 @@ use super::tracks::Tracks;
 use crate::engine::EngineState;
 use crate::robot::RobotModel;
 use crate::saved_bytes;
-use crate::spec::{ControllerSpec, RadioLink, RunSpec, Sharing, Training};
+use crate::spec::{ControllerSpec, FieldError, RadioLink, RunSpec, Sharing, Training};
 use crate::validate::ValidSpec;
 use crate::world::{World, WorldState};
 
@@ -166,6 +166,15 @@ impl Run {
     }
 }
 
+/// Of a spec that ends before a state with so many counted epochs.
+pub(super) fn too_few_epochs(done: u32) -> RestoreError {
+    RestoreError::Spec(vec![FieldError {
+        pointer: "/epochs".to_owned(),
+        message: format!("the state that it goes on from has {done} counted epochs"),
+        allowed: "more epochs than that".to_owned(),
+    }])
+}
+
 /// A run that goes on from saved state; `of` is the digest of the spec that it was saved with.
 pub(super) fn restore_of(spec: ValidSpec, of: [u8; 32], bytes: &[u8]) -> Result<Run, RestoreError> {
     let unreadable = |why: &str| RestoreError::Unreadable(why.into());
@@ -185,6 +194,10 @@ pub(super) fn restore_of(spec: ValidSpec, of: [u8; 32], bytes: &[u8]) -> Result<
         return Err(RestoreError::OtherSpec);
     }
     let mut run = Run::new(spec).map_err(RestoreError::Spec)?;
+    let done = saved.curve.len() as u32;
+    if run.spec.epochs < done {
+        return Err(too_few_epochs(done));
+    }
     let misfit = || unreadable("its parts do not fit the spec");
     // After the last stage its learners stay.
     let last = run.stages.len() - 1;

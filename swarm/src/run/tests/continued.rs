@@ -168,5 +168,6 @@ fn a_fork_with_another_world_is_refused() {
         epochs: 1,
         ..origin.clone()
     };
-    assert!(Run::forked(&origin, valid(short), &run.snapshot()).is_err());
+    let refused = Run::forked(&origin, valid(short), &run.snapshot());
+    assert!(matches!(refused, Err(RestoreError::Spec(_))));
 }
