@@ -32,8 +32,6 @@ use crate::frames::{FrameHeader, ObjectState, RobotState};
 
 /// Time between two looks for a sample or a channel.
 const LOOK: Duration = Duration::from_millis(1);
-/// Longest time between the making of a channel and its sender.
-const SENDER_COMES: Duration = Duration::from_secs(2);
 /// Time between two looks whether the sender was killed.
 const CLEAN_UP_EVERY: Duration = Duration::from_secs(1);
 
@@ -66,8 +64,6 @@ where
     service: publish_subscribe::PortFactory<ipc::Service, [T], H>,
     node: Node<ipc::Service>,
     cleaned: Cell<Instant>,
-    opened: Instant,
-    has_had_sender: Cell<bool>,
 }
 
 /// Reads frames; of the service `frames` the latest, of `lossless` all.
@@ -111,14 +107,17 @@ where
             }
             opened => transport("the channel", opened)?,
         };
+        // A channel exists a moment before its sender does. A reader that came before the sender is
+        // connected to it only when it first looks for a sample; what is sent until then may be lost.
+        if factory.dynamic_config().number_of_publishers() == 0 {
+            return Err(ReaderError::Absent(service.to_owned()));
+        }
         let subscriber = factory.subscriber_builder().create();
         Ok(Self {
             subscriber: transport("a reader (are there too many?)", subscriber)?,
             service: factory,
             node,
             cleaned: Cell::new(Instant::now()),
-            opened: Instant::now(),
-            has_had_sender: Cell::new(false),
         })
     }
 
@@ -170,12 +169,7 @@ where
             self.node.try_cleanup_dead_nodes();
             self.cleaned.set(Instant::now());
         }
-        // A channel exists a moment before its sender does: that is not its end.
-        let is_sent = self.service.dynamic_config().number_of_publishers() > 0;
-        let has_had_sender = self
-            .has_had_sender
-            .replace(is_sent || self.has_had_sender.get());
-        !is_sent && (has_had_sender || self.opened.elapsed() >= SENDER_COMES)
+        self.service.dynamic_config().number_of_publishers() == 0
     }
 }
 

@@ -8,24 +8,22 @@ use std::time::{Duration, Instant};
 use api::WaitsFor;
 use api::channels::run_service;
 use api::frames::{FrameHeader, RobotState};
+use iceoryx2::port::SendError;
 use iceoryx2::prelude::*;
 use swarm::run::Run;
 
 use super::extent::Extent;
 use super::frame::{FrameInfo, robot_state};
-use super::patience::{LOOK_AROUND, Patience, Wanted};
+use super::patience::{LOOK_AROUND, LOOK_FOR_DEAD, Patience, REST, Wanted, remove_dead};
 use super::port::{Channel, ChannelError, Quality, SendFailure, open_node};
 use super::room;
 use super::set::LosslessSettings;
 use crate::runner::{Attendant, Wait};
 
-/// Time between two looks for the readers that are waited for.
-const REST: Duration = Duration::from_micros(200);
-
 /// The channel of a run. Fields are dropped in this order.
 pub(super) struct Lossless {
     channel: Channel<RobotState, FrameHeader>,
-    _node: Node<ipc::Service>,
+    node: Node<ipc::Service>,
     settings: LosslessSettings,
     wanted: Wanted,
     sent: u64,
@@ -51,7 +49,7 @@ impl Lossless {
         let name = run_service(run_id, "lossless");
         Ok(Self {
             channel: Channel::open(&node, &name, extent.robots, quality)?,
-            _node: node,
+            node,
             settings,
             wanted,
             sent: 0,
@@ -114,11 +112,45 @@ impl Lossless {
         let wait = RefCell::new(Wait::new(attendant, run, WaitsFor::LosslessReaders));
         let look_around = || wait.borrow_mut().look_around();
         LOOK_AROUND.set(&look_around, || {
-            self.channel.send_each(header, robots.len(), |number| {
-                robot_state(number, &robots[number])
+            self.send_to_all(&look_around, || {
+                self.channel.send_each(header, robots.len(), |number| {
+                    robot_state(number, &robots[number])
+                })
             })
         })?;
         self.sent += 1;
         Ok(())
+    }
+
+    /// Sends a frame until it reaches the readers that there are. The transport waits for full buffers
+    /// of readers that are connected; one that came before its sender is connected only when it looks
+    /// for a frame, and what it has no room for until then would be lost.
+    fn send_to_all(
+        &self,
+        goes_on: &dyn Fn() -> bool,
+        send: impl Fn() -> Result<usize, SendFailure>,
+    ) -> Result<(), SendFailure> {
+        let timeout = Duration::from_millis(u64::from(self.settings.timeout_ms));
+        let since = Instant::now();
+        let mut looked = since;
+        loop {
+            let before = self.channel.reader_ids();
+            let reached = send()?;
+            if reached >= before.len() || reached >= self.channel.readers_still_there(&before) {
+                return Ok(());
+            }
+            if reached > 0 {
+                return Err(SendFailure::Missed);
+            }
+            // Nobody got it, so that nobody gets it twice.
+            if !goes_on() || !self.is_wanted() || since.elapsed() >= timeout {
+                return Err(SendFailure::Send(SendError::UnableToDeliver));
+            }
+            if looked.elapsed() >= LOOK_FOR_DEAD {
+                looked = Instant::now();
+                remove_dead(self.node.config());
+            }
+            std::thread::sleep(REST);
+        }
     }
 }

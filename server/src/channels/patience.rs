@@ -14,9 +14,9 @@ use super::desk::Desk;
 use super::set::LosslessSettings;
 
 /// Time between two looks for readers that were killed, while one is waited for.
-const LOOK_FOR_DEAD: Duration = Duration::from_millis(200);
+pub(super) const LOOK_FOR_DEAD: Duration = Duration::from_millis(200);
 /// Sleep while a reader is waited for.
-const REST: Duration = Duration::from_micros(200);
+pub(super) const REST: Duration = Duration::from_micros(200);
 
 scoped_thread_local! {
     /// What the thread that sends does while it waits, and whether it goes on waiting. The transport
@@ -110,7 +110,7 @@ impl Patience {
 }
 
 /// Removes what processes that were killed left behind.
-fn remove_dead(config: &Config) {
+pub(super) fn remove_dead(config: &Config) {
     let listed = Node::<ipc::Service>::list(config, |state| {
         if let NodeState::Dead(dead) = state
             && let Err(error) = dead.try_remove_stale_resources()

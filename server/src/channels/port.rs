@@ -107,6 +107,9 @@ pub(super) enum SendFailure {
     /// The sample did not reach every reader.
     #[error("not sent: {0:?}")]
     Send(SendError),
+    /// Some readers got the sample, others did not.
+    #[error("a reader that never looked for a frame has lost one")]
+    Missed,
     /// Readers cannot be looked up.
     #[error("a reader cannot be connected: {0:?}")]
     Connect(ConnectionFailure),
@@ -190,7 +193,8 @@ where
     T: Copy + Debug + ZeroCopySend + 'static,
     H: Copy + Debug + Default + ZeroCopySend + 'static,
 {
-    /// Opens the channel of this name for slices of about this length.
+    /// Opens the channel of this name for slices of about this length; where nothing is lost, of at
+    /// most this length.
     pub(super) fn open(
         node: &Node<ipc::Service>,
         name: &str,
@@ -201,16 +205,22 @@ where
         // A server that was killed may still be registered as the publisher.
         let _ = node.blocking_cleanup_dead_nodes(CLEAN_UP_LIMIT);
         let service = open_service(node, &name, quality.buffer, quality.patience.is_some())?;
+        // Memory that grows is mapped by a reader only when it takes its first sample, and lost to it
+        // when the sender has gone by then.
+        let allocation = match quality.patience {
+            None => AllocationStrategy::PowerOfTwo,
+            Some(_) => AllocationStrategy::Static,
+        };
         let builder = service
             .publisher_builder()
             .initial_max_slice_len(length.max(1))
-            .allocation_strategy(AllocationStrategy::PowerOfTwo)
+            .allocation_strategy(allocation)
             .max_loaned_samples(LOANED);
         let builder = match quality.patience {
             None => builder.backpressure_strategy(BackpressureStrategy::DiscardData),
             Some(mut patience) => {
                 let readers = open_service::<T, H>(node, &name, quality.buffer, true)?;
-                patience.ask_whether(move |port| is_reader(&readers, port));
+                patience.ask_whether(move |port| reader_ids(&readers).contains(&port));
                 builder
                     .backpressure_strategy(BackpressureStrategy::RetryUntilDelivered)
                     .set_backpressure_handler(move |info| patience.decide(info))
@@ -225,16 +235,17 @@ where
 
     /// Sends a slice.
     pub(super) fn send(&self, header: H, slice: &[T]) -> Result<(), SendFailure> {
-        self.send_each(header, slice.len(), |place| slice[place])
+        self.send_each(header, slice.len(), |place| slice[place])?;
+        Ok(())
     }
 
-    /// Sends so many elements, each made by its place.
+    /// Sends so many elements, each made by its place. Returns how many readers got them.
     pub(super) fn send_each(
         &self,
         header: H,
         length: usize,
         element: impl FnMut(usize) -> T,
-    ) -> Result<(), SendFailure> {
+    ) -> Result<usize, SendFailure> {
         room::for_bytes(length * size_of::<T>() + size_of::<H>())?;
         let sample = self
             .publisher
@@ -242,8 +253,7 @@ where
             .map_err(SendFailure::Loan)?;
         let mut sample = sample.write_from_fn(element);
         *sample.user_header_mut() = header;
-        sample.send().map_err(SendFailure::Send)?;
-        Ok(())
+        sample.send().map_err(SendFailure::Send)
     }
 
     /// A silent channel, of a paused run perhaps, still gives new readers its history.
@@ -259,6 +269,17 @@ where
         self.service.dynamic_config().number_of_subscribers()
     }
 
+    /// Those of the readers that are there now and were there before.
+    pub(super) fn readers_still_there(&self, before: &[u128]) -> usize {
+        let now = self.reader_ids();
+        before.iter().filter(|id| now.contains(id)).count()
+    }
+
+    /// The readers that there are.
+    pub(super) fn reader_ids(&self) -> Vec<u128> {
+        reader_ids(&self.service)
+    }
+
     /// Whether there is a reader.
     pub(super) fn is_watched(&self) -> bool {
         self.readers() > 0
@@ -266,7 +287,7 @@ where
 }
 
 /// The service of a channel, opened or made.
-fn open_service<T, H>(
+pub(super) fn open_service<T, H>(
     node: &Node<ipc::Service>,
     name: &ServiceName,
     buffer: usize,
@@ -298,19 +319,18 @@ where
         })
 }
 
-/// Whether a port is still one of a channel's readers: those that were killed are not, once they are
-/// cleaned up.
-fn is_reader<T, H>(service: &PortFactory<ipc::Service, [T], H>, port: u128) -> bool
+/// The readers of a channel: those that were killed are not among them, once they are cleaned up.
+fn reader_ids<T, H>(service: &PortFactory<ipc::Service, [T], H>) -> Vec<u128>
 where
     T: Copy + Debug + ZeroCopySend + 'static,
     H: Copy + Debug + Default + ZeroCopySend + 'static,
 {
-    let mut is_there = false;
+    let mut ids = Vec::new();
     service.dynamic_config().list_subscribers(|reader| {
-        is_there |= reader.subscriber_id.value() == port;
+        ids.push(reader.subscriber_id.value());
         CallbackProgression::Continue
     });
-    is_there
+    ids
 }
 
 #[cfg(test)]

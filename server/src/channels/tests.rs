@@ -1,6 +1,7 @@
 //! Channels against real shared memory: each test has a root path, and so a name space, of its own.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod lossless;
 mod objects;
 
 use std::fmt::Debug;
