@@ -84,6 +84,19 @@ pub enum WaitsFor {
     Controllers,
 }
 
+impl WaitsFor {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::LosslessReaders, Self::Controllers];
+
+    /// The name in JSON.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::LosslessReaders => "lossless_readers",
+            Self::Controllers => "controllers",
+        }
+    }
+}
+
 /// How far a run is. Steps are robot-steps, uncounted phases included.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Progress {
@@ -118,5 +131,8 @@ mod tests {
             assert_eq!(State::from_name(state.name()), Some(state));
         }
         assert_eq!(State::from_name("asleep"), None);
+        for whom in WaitsFor::ALL {
+            assert_eq!(serde_json::to_value(whom).unwrap(), whom.name());
+        }
     }
 }

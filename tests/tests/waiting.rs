@@ -87,6 +87,12 @@ fn a_run_that_waits_for_readers_says_so_and_answers_meanwhile() {
     let route = format!("/v1/runs/{run}/checkpoint");
     let taken = at_once("a checkpoint", || server.send("POST", &route, &[], b""));
     assert_eq!(taken.status, 200, "{}", taken.text());
+    let downloaded = at_once("its file", || server.get(&route));
+    let bytes = downloaded.body.len().to_string();
+    assert_eq!(downloaded.header("content-length"), bytes);
+    let metrics = at_once("metrics", || server.get("/metrics"));
+    let waiting = "evswarm_waiting_runs{for=\"lossless_readers\"} 1\n";
+    assert!(metrics.text().contains(waiting), "{}", metrics.text());
 
     let mut listener = server.listen(&format!("/v1/runs/{run}/events"), None);
     let heard = listener.until(|event| matches!(event, Event::Run(_)));

@@ -6,6 +6,7 @@ import json
 import os
 import re
 import subprocess
+import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -91,6 +92,16 @@ def test_a_controller_in_python_gives_the_bits_of_the_one_built_in(home: Path) -
     assert run.wait(60) == 0
     for file in ["curve.csv", "metrics.csv", "visits.npy"]:
         assert (home / "built-in" / file).read_bytes() == (home / "outside" / file).read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("part", "missing"), [("channels", "iceoryx2"), ("channels", "numpy"), ("env", "gymnasium")]
+)
+def test_what_has_to_be_installed_is_named(part: str, missing: str) -> None:
+    code = f"import sys; sys.modules[{missing!r}] = None; import evswarm.{part}"
+    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert ended.returncode == 1
+    assert f"needs {missing}: pip install 'evswarm[{part}]'" in ended.stderr
 
 
 def test_wrong_commands_are_refused_before_they_are_sent(home: Path) -> None:

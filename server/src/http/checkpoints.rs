@@ -1,7 +1,7 @@
 //! `/v1/runs/{id}/checkpoint`: take, download and upload states of a run; `/fork`: go on from one with
 //! other parameters.
 
-use std::io;
+use std::io::{self, Read as _};
 
 use api::ProblemCode::{
     CheckpointNotKept, InvalidDocument, JobTooLarge, KeyReused, KeyUnderWay, QueueFull,
@@ -11,7 +11,7 @@ use axum::Json;
 use axum::body::Bytes;
 use axum::extract::State;
 use axum::http::HeaderMap;
-use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE};
+use axum::http::header::{CONTENT_DISPOSITION, CONTENT_LENGTH, CONTENT_TYPE};
 use axum::response::{IntoResponse, Response};
 
 use super::App;
@@ -89,15 +89,20 @@ async fn download(State(app): State<App>, FoundRun(run): FoundRun) -> Result<Res
             Some(file) => Some(file),
             None => app.store.finals().file(&run.id).map_err(unreadable)?,
         };
-        let Some(mut file) = file else {
+        let Some(file) = file else {
             let detail = format!("no state of the run is kept: it is {}", run.state.state());
             return Err(Refusal::new(ProblemCode::CheckpointNotKept, detail));
         };
         let name = format!("attachment; filename=\"{}.checkpoint\"", run.id);
-        let body = streamed(move |out| io::copy(&mut file, out).map(drop));
+        let bytes = file
+            .metadata()
+            .map_err(|error| Refusal::internal(&error))?
+            .len();
+        let body = streamed(move |out| io::copy(&mut file.take(bytes), out).map(drop));
         let headers = [
             (CONTENT_TYPE, BYTES.to_owned()),
             (CONTENT_DISPOSITION, name),
+            (CONTENT_LENGTH, bytes.to_string()),
         ];
         Ok((headers, body).into_response())
     })

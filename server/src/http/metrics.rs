@@ -2,6 +2,7 @@
 
 use std::sync::atomic::AtomicU64;
 
+use api::WaitsFor;
 use axum::http::{Method, StatusCode};
 use prometheus_client::encoding::text::encode;
 use prometheus_client::metrics::family::Family;
@@ -26,6 +27,7 @@ pub struct Metrics {
     store_bytes: Family<Labels, Number>,
     queued: Number,
     busy: Number,
+    waiting: Family<Labels, Number>,
     threads: Number,
     memory_bytes: Number,
     room_bytes: Number,
@@ -45,6 +47,7 @@ impl Metrics {
             store_bytes: Family::default(),
             queued: Number::default(),
             busy: Number::default(),
+            waiting: Family::default(),
             threads: Number::default(),
             memory_bytes: Number::default(),
             room_bytes: Number::default(),
@@ -78,6 +81,11 @@ impl Metrics {
             told.queued.clone(),
         );
         registry.register("busy_threads", "Threads that step a run", told.busy.clone());
+        registry.register(
+            "waiting_runs",
+            "Runs that a thread holds while they wait for other programs",
+            told.waiting.clone(),
+        );
         registry.register("threads", "Threads that step runs", told.threads.clone());
         registry.register(
             "memory_resident_bytes",
@@ -138,7 +146,13 @@ impl Metrics {
             self.store_bytes.get_or_create(&labels).set(bytes);
         }
         self.queued.set(scheduler.queued() as u64);
-        self.busy.set(scheduler.busy().len() as u64);
+        let busy = scheduler.busy();
+        self.busy.set(busy.len() as u64);
+        for whom in WaitsFor::ALL {
+            let waiting = busy.iter().filter(|it| it.waits_for == Some(whom)).count();
+            let labels = vec![("for", whom.name().to_owned())];
+            self.waiting.get_or_create(&labels).set(waiting as u64);
+        }
         self.threads.set(scheduler.worker_count() as u64);
         self.memory_bytes.set(resident_bytes());
         self.room_bytes.set(store.room_bytes());

@@ -241,6 +241,7 @@ impl Scheduler {
             run: *run,
             seconds: live.begun().elapsed().as_secs_f64(),
             view: live.view(),
+            waits_for: live.waiting().map(|(waits_for, _)| waits_for),
         };
         state.live.iter().map(busy).collect()
     }
@@ -290,6 +291,8 @@ pub struct Busy {
     pub seconds: f64,
     /// How far the run is; `None` while it is set up.
     pub view: Option<Arc<View>>,
+    /// Whom the run waits for, where that lasts.
+    pub waits_for: Option<WaitsFor>,
 }
 
 impl Drop for Scheduler {

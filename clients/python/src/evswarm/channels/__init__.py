@@ -4,9 +4,13 @@ Needs the extra ``channels`` (``pip install evswarm[channels]``) and a server, o
 on the same machine and of the same user.
 """
 
-from evswarm.channels.controller import Controller, ControllerPort, Question, Readings, steer
-from evswarm.channels.frames import Frame, FrameReader
-from evswarm.channels.transport import ChannelError, default_root
+try:
+    from evswarm.channels.controller import Controller, ControllerPort, Question, Readings, steer
+    from evswarm.channels.frames import Frame, FrameReader
+    from evswarm.channels.transport import ChannelError, default_root
+except ModuleNotFoundError as error:
+    needed = f"evswarm.channels needs {error.name}: pip install 'evswarm[channels]'"
+    raise ModuleNotFoundError(needed, name=error.name) from error
 
 __all__ = [
     "ChannelError",

@@ -4,11 +4,15 @@ agents. Each is a process ``evswarm run`` of its own on this machine, steered st
 Needs the extra ``env`` (``pip install evswarm[env]``) and the program ``evswarm``.
 """
 
-from evswarm.env.gym import SwarmEnv, register
-from evswarm.env.parallel import SwarmParallelEnv
-from evswarm.env.rewards import REWARDS
-from evswarm.env.simulation import Simulation
-from evswarm.env.vector import SwarmVectorEnv
+try:
+    from evswarm.env.gym import SwarmEnv, register
+    from evswarm.env.parallel import SwarmParallelEnv
+    from evswarm.env.rewards import REWARDS
+    from evswarm.env.simulation import Simulation
+    from evswarm.env.vector import SwarmVectorEnv
+except ModuleNotFoundError as error:
+    needed = f"evswarm.env needs {error.name}: pip install 'evswarm[env]'"
+    raise ModuleNotFoundError(needed, name=error.name) from error
 
 __all__ = [
     "REWARDS",
