@@ -95,7 +95,7 @@ def test_a_controller_in_python_gives_the_bits_of_the_one_built_in(home: Path) -
 
 
 @pytest.mark.parametrize(
-    ("part", "missing"), [("channels", "iceoryx2"), ("channels", "numpy"), ("env", "gymnasium")]
+    ("part", "missing"), [("channels", "iceoryx2"), ("env", "gymnasium"), ("env", "pettingzoo")]
 )
 def test_what_has_to_be_installed_is_named(part: str, missing: str) -> None:
     code = f"import sys; sys.modules[{missing!r}] = None; import evswarm.{part}"
