@@ -99,7 +99,7 @@ pub const REFUSED: &[RefusedCase] = &[
     ),
     service("a page size or cursor that makes no sense", InvalidQuery),
     service(
-        "an idempotency key that is empty or too long",
+        "an idempotency key that is empty or too long, a `Last-Event-ID` that is no number",
         InvalidHeader,
     ),
     service("a path that is not UTF-8", InvalidRequest),
