@@ -15,46 +15,48 @@ pub type Findings = BTreeMap<String, String>;
 
 /// How many kinds of runs there are.
 pub const KINDS: usize = 8;
-/// Seeds that all jobs together use of each kind.
+/// Seeds that the jobs of a generation together use of each kind.
 pub const SEEDS: u64 = 8;
 /// Longest that a job may take to its end.
 const LIMIT: Duration = Duration::from_secs(600);
 
-/// A run of this kind: methods, engines, swarms, objects, sharing, budgets.
+/// A run of this kind: methods, engines, swarms, objects, sharing, budgets. It takes about half a
+/// second, so that most kills hit some that are under way.
 fn base(kind: usize) -> Value {
     match kind {
-        0 => json!({ "arena": "maze", "controller": { "method": "brownian" }, "epochs": 1_500 }),
-        1 => json!({ "arena": "easy", "controller": { "method": "im" }, "epochs": 400 }),
-        2 => json!({ "arena": "graph", "epochs": 300,
+        0 => json!({ "arena": "maze", "controller": { "method": "brownian" }, "epochs": 9_000 }),
+        1 => json!({ "arena": "easy", "controller": { "method": "im" }, "epochs": 2_400 }),
+        2 => json!({ "arena": "graph", "epochs": 1_800,
             "controller": { "method": "ev-iter-c", "train": { "arena": "easy", "epochs": 60 } } }),
-        3 => json!({ "arena": "maze", "epochs": 300,
+        3 => json!({ "arena": "maze", "epochs": 1_800,
             "controller": { "method": "curiosity", "train": { "arena": "easy" } } }),
         4 => json!({ "arena": "easy", "controller": { "method": "levy" }, "robots": 4,
-            "placement": "grid", "episodes": "continue", "epochs": 200 }),
+            "placement": "grid", "episodes": "continue", "epochs": 1_200 }),
         5 => json!({ "arena": { "from": "easy", "tile": [2, 2] }, "robots": 8,
             "placement": "random", "controller": { "method": "im" }, "sharing": { "mode": "arena" },
-            "epochs": 40 }),
-        6 => json!({ "engine": "rapier", "robots": 2, "epochs": 20, "steps_per_epoch": 500,
+            "epochs": 240 }),
+        6 => json!({ "engine": "rapier", "robots": 2, "epochs": 120, "steps_per_epoch": 500,
             "arena": { "name": "boxes", "width_m": 0.8, "height_m": 0.8, "walls_m": [],
                 "starts": [{ "x_m": 0.2, "y_m": 0.2, "heading_rad": 0.7 },
                            { "x_m": 0.6, "y_m": 0.2, "heading_rad": 2.0 }],
                 "objects": [{ "kind": "box", "x_m": 0.4, "y_m": 0.5, "width_m": 0.08,
                     "height_m": 0.08, "mass_kg": 0.1 }] },
             "controller": { "method": "brownian" } }),
-        _ => json!({ "arena": "maze", "memory_budget_bytes": "e-puck", "epochs": 200,
+        _ => json!({ "arena": "maze", "memory_budget_bytes": "e-puck", "epochs": 1_200,
             "controller": { "method": "ev-iter-da", "train": { "arena": "easy", "epochs": 30 } } }),
     }
 }
 
-/// All runs of a kind.
-pub fn whole(kind: usize) -> String {
-    job(kind, 1, SEEDS)
+/// All runs of a kind in a generation.
+pub fn whole(kind: usize, generation: u64) -> String {
+    job(kind, generation, 1, SEEDS)
 }
 
-/// A job of `count` runs of a kind.
-pub fn job(kind: usize, first: u64, count: u64) -> String {
+/// A job of `count` runs of a kind, from a place among the seeds of a generation on, counted from 1.
+/// A generation has runs of its own, so that there is work to disturb until the last kill.
+pub fn job(kind: usize, generation: u64, first: u64, count: u64) -> String {
     json!({ "name": format!("kind {kind}"), "base": base(kind),
-        "seeds": { "first": first, "count": count } })
+        "seeds": { "first": generation * SEEDS + first, "count": count } })
     .to_string()
 }
 

@@ -27,9 +27,21 @@ enum Deletion {
 #[derive(Debug, Default)]
 pub struct Ledger {
     entries: BTreeMap<u64, Entry>,
+    /// Of the jobs that are posted now.
+    generation: u64,
 }
 
 impl Ledger {
+    /// Which jobs are posted now.
+    pub fn generation(&self) -> u64 {
+        self.generation
+    }
+
+    /// From now on others are posted.
+    pub fn next_generation(&mut self) {
+        self.generation += 1;
+    }
+
     /// A post was acknowledged.
     pub fn posted(&mut self, job: u64, runs: u64) {
         let deletion = Deletion::Not;

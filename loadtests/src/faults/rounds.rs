@@ -51,13 +51,14 @@ impl fmt::Display for Killed {
     }
 }
 
-/// All rounds, in turn at random moments and at places; looks after each whether anything is lost.
+/// All rounds, in turn at random moments and at places; looks after some whether anything is lost.
+/// Gives how many generations of jobs there were, too.
 pub async fn all(
     options: &Options,
     home: &Path,
     random: &mut Rng,
     ledger: &mut Ledger,
-) -> Result<Killed> {
+) -> Result<(Killed, u64)> {
     let mut killed = Killed::default();
     let mut round = 0;
     // A place that is not come to is no kill at a place; a bound on how often that may be.
@@ -80,10 +81,11 @@ pub async fn all(
         if round % 10 == 9 {
             let server = Server::start_at(home, options.threads, None)?;
             ledger.check(&mut Client::new(server.address())).await?;
+            ledger.next_generation();
         }
         round += 1;
     }
-    Ok(killed)
+    Ok((killed, ledger.generation() + 1))
 }
 
 async fn at_a_place(
@@ -120,7 +122,7 @@ async fn in_a_migration(options: &Options, random: &mut Rng, killed: &mut Killed
     let server = Server::start_at(home.path(), options.threads, None)
         .with_context(|| format!("after {place}"))?;
     let mut client = Client::new(server.address());
-    let posted = client.post("/v1/jobs", Some(jobs::job(0, 1, 1))).await?;
+    let posted = client.post("/v1/jobs", Some(jobs::job(0, 0, 1, 1))).await?;
     ensure!(posted.status == 201, "after {place}: {}", posted.status);
     Ok(())
 }
@@ -168,12 +170,12 @@ impl Action {
     fn choose(random: &mut Rng, ledger: &Ledger) -> Self {
         let known: Vec<u64> = ledger.jobs().collect();
         let job = match known.is_empty() {
-            true => return Self::new_post(random),
+            true => return Self::new_post(random, ledger.generation()),
             // Newer ones more often: older ones are mostly done.
             false => known[known.len() - 1 - random.usize(0..known.len().min(12))],
         };
         match random.u32(0..100) {
-            0..30 => Self::new_post(random),
+            0..30 => Self::new_post(random, ledger.generation()),
             // Seeds start at 1 or 2.
             30..38 if ledger.most_runs(job) + 2 <= jobs::SEEDS => Self::Extend(job),
             38..42 => Self::Delete(job),
@@ -188,11 +190,12 @@ impl Action {
         }
     }
 
-    fn new_post(random: &mut Rng) -> Self {
+    fn new_post(random: &mut Rng, generation: u64) -> Self {
         let (kind, count) = (random.usize(0..jobs::KINDS), random.u64(1..4));
         // Extensions add the seeds that follow, one each.
         let first = random.u64(1..=2);
-        Self::Post(jobs::job(kind, first, count), count, None)
+        let document = jobs::job(kind, generation, first, count);
+        Self::Post(document, count, None)
     }
 
     /// Whether it was done; an error when it is not known.

@@ -46,7 +46,8 @@ const TRAIL = 240;
 const TRAIL_STEPS = 40;
 
 export function scene(onChoose: (robot: number) => void): Scene {
-  const ground = h("canvas", { role: "img" });
+  // Named from the first moment; what is drawn names it anew.
+  const ground = h("canvas", { role: "img", "aria-label": "The arena with its robots" });
   const swarm = h("canvas", { class: "swarm", "aria-hidden": true });
   const [low, high] = [h("span", {}), h("span", {})];
   const legend = h("figcaption", { class: "quiet" }, low, ramp(), high);

@@ -15,7 +15,7 @@ const LONGEST = 40;
 
 export function senses(): Senses {
   const bars: SVGLineElement[] = [];
-  const drawing = svg("svg", { viewBox: `0 0 ${SIZE} ${SIZE}`, role: "img", class: "senses" });
+  const drawing = svg("svg", { viewBox: `0 0 ${SIZE} ${SIZE}`, role: "img", class: "senses", "aria-label": "What a robot senses" });
   const centre = SIZE / 2;
   // The heading points up.
   const at = (angle: number, r: number): [number, number] => [

@@ -23,7 +23,7 @@ export interface TableView {
 
 export function tableView(): TableView {
   const kind = h("select", { id: "table-kind" }, ...Object.entries(KINDS).map(([value, text]) => h("option", { value }, text)));
-  const canvas = h("canvas", { role: "img", tabindex: 0 });
+  const canvas = h("canvas", { role: "img", tabindex: 0, "aria-label": "Transition table" });
   const low = h("span", {});
   const high = h("span", {});
   const colours = ramp();
