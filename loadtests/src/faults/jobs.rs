@@ -79,7 +79,6 @@ pub async fn runs(client: &mut Client, job: u64) -> Result<Vec<(String, String)>
 /// Resumes and retries what is held or ended, and waits until all runs are done.
 pub async fn bring_to_end(client: &mut Client, job: u64) -> Result<()> {
     let started = Instant::now();
-    client.post(&format!("/v1/jobs/{job}/resume"), None).await?;
     loop {
         let runs = runs(client, job).await?;
         if runs.iter().all(|(_, state)| state == "done") {
@@ -99,8 +98,11 @@ pub async fn bring_to_end(client: &mut Client, job: u64) -> Result<()> {
                 .post(&format!("/v1/runs/{id}/{action}"), None)
                 .await?;
         }
-        if runs.iter().any(|(_, state)| state == "cancelled") {
-            client.post(&format!("/v1/jobs/{job}/retry"), None).await?;
+        // What other jobs hold goes on for this one once it is active.
+        for action in ["retry", "resume"] {
+            client
+                .post(&format!("/v1/jobs/{job}/{action}"), None)
+                .await?;
         }
         tokio::time::sleep(Duration::from_millis(200)).await;
     }
