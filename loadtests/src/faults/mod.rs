@@ -64,26 +64,24 @@ pub fn run(options: &Options) -> Result<()> {
 async fn undisturbed(threads: usize, generations: u64) -> Result<Findings> {
     let server = Server::start(threads)?;
     let mut client = Client::new(server.address());
-    let mut posted = Vec::new();
-    let kinds = |generation| (0..jobs::KINDS).map(move |kind| (kind, generation));
-    for (kind, generation) in (0..generations).flat_map(kinds) {
-        let whole = jobs::whole(kind, generation);
-        let answer = client.post("/v1/jobs", Some(whole)).await?;
-        ensure!(
-            answer.status == 201,
-            "kind {kind}: {}",
-            String::from_utf8_lossy(&answer.body)
-        );
-        let id = answer.json()?["id"]
-            .as_str()
-            .context("an id")?
-            .parse::<u64>()?;
-        posted.push(id);
-    }
     let mut found = Findings::new();
-    for job in posted {
-        jobs::bring_to_end(&mut client, job).await?;
-        found.append(&mut jobs::findings(&mut client, job).await?);
+    for generation in 0..generations {
+        let mut posted = Vec::new();
+        for kind in 0..jobs::KINDS {
+            let whole = jobs::whole(kind, generation);
+            let answer = client.post("/v1/jobs", Some(whole)).await?;
+            ensure!(
+                answer.status == 201,
+                "kind {kind}: {}",
+                String::from_utf8_lossy(&answer.body)
+            );
+            let id = answer.json()?["id"].as_str().map(str::parse);
+            posted.push(id.context("an id")??);
+        }
+        for job in posted {
+            jobs::bring_to_end(&mut client, job).await?;
+            found.append(&mut jobs::findings(&mut client, job).await?);
+        }
     }
     Ok(found)
 }
