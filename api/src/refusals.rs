@@ -99,9 +99,10 @@ pub const REFUSED: &[RefusedCase] = &[
     ),
     service("a page size or cursor that makes no sense", InvalidQuery),
     service(
-        "an idempotency key that is empty or too long, a `Last-Event-ID` that is no number",
+        "an idempotency key that is empty or too long",
         InvalidHeader,
     ),
+    service("a `Last-Event-ID` that is no number", InvalidHeader),
     service("a path that is not UTF-8", InvalidRequest),
     service(
         "a missing or wrong token, where the server has one",

@@ -260,7 +260,9 @@ fn what_cannot_be_listened_to_is_refused() {
     let path = format!("/v1/jobs/{}/events", posted.id);
     for wrong in ["x", "-1", ""] {
         let heard = [("last-event-id", wrong)];
-        server.send("GET", &path, &heard, b"").problem(400);
+        server
+            .send("GET", &path, &heard, b"")
+            .refused("a `Last-Event-ID` that is no number");
     }
 }
 

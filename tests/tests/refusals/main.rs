@@ -21,15 +21,16 @@ fn has(errors: &[FieldError], pointer: &str, words: &str) -> bool {
     })
 }
 
-/// The texts of the tests that show rows, besides those of wrong specs: the ones here, and those of
-/// connections and of the service itself, which can have smaller limits.
+/// The texts of the tests that show rows, besides those of wrong specs: the ones here, those of
+/// connections and events, and those of the service itself, which can have smaller limits.
 fn sources() -> String {
     let folders = ["tests/tests/refusals", "server/src/http/tests"];
     let files = folders.map(|folder| fs::read_dir(readme::root().join(folder)).unwrap());
     let paths = files.into_iter().flatten().map(|file| file.unwrap().path());
-    let connections = readme::root().join("tests/tests/connections.rs");
+    let others =
+        ["connections.rs", "events.rs"].map(|file| readme::root().join("tests/tests").join(file));
     paths
-        .chain([connections])
+        .chain(others)
         .map(|path| fs::read_to_string(path).unwrap())
         .collect()
 }
