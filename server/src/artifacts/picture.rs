@@ -172,7 +172,7 @@ fn squares(items: &mut Vec<Item>, plot: &Plot, visits: &[u32], reachable: Option
 
 /// Black on a thin white edge, so that walls stand out from dark squares too.
 fn walls(items: &mut Vec<Item>, plot: &Plot, arena: &Arena) {
-    let lines: Vec<[f32; 4]> = arena
+    let (upright, slanted): (Vec<[f32; 4]>, Vec<[f32; 4]>) = arena
         .walls()
         .iter()
         .chain(&arena.boundary())
@@ -180,17 +180,27 @@ fn walls(items: &mut Vec<Item>, plot: &Plot, arena: &Arena) {
             let ([x1, y1], [x2, y2]) = (plot.at(wall.a.x, wall.a.y), plot.at(wall.b.x, wall.b.y));
             [x1, y1, x2, y2]
         })
-        .collect();
-    items.push(Item::Lines {
-        lines: lines.clone(),
-        width_px: 5.0,
-        colour: WHITE,
-    });
-    items.push(Item::Lines {
-        lines,
-        width_px: 3.0,
-        colour: BLACK,
-    });
+        .partition(|[x1, y1, x2, y2]| x1 == x2 || y1 == y2);
+    for (width_px, colour) in [(5.0, WHITE), (3.0, BLACK)] {
+        // Rectangles are drawn far quicker than lines.
+        let rectangle = |[x1, y1, x2, y2]: &[f32; 4]| {
+            [
+                x1.min(*x2) - width_px / 2.0,
+                y1.min(*y2) - width_px / 2.0,
+                (x2 - x1).abs() + width_px,
+                (y2 - y1).abs() + width_px,
+            ]
+        };
+        items.push(Item::Rectangles {
+            rectangles: upright.iter().map(rectangle).collect(),
+            colour,
+        });
+        items.push(Item::Lines {
+            lines: slanted.clone(),
+            width_px,
+            colour,
+        });
+    }
 }
 
 fn starts(items: &mut Vec<Item>, plot: &Plot, arena: &Arena) {
