@@ -8,7 +8,7 @@ use crate::near_pairs::near_pairs;
 use crate::segment::Segment;
 
 /// Most gates looked at.
-const MOST_GATES: usize = 10_000;
+const MOST_GATES: usize = 1_000;
 
 /// A narrowest place between two walls.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,7 +22,7 @@ pub struct Gate {
 }
 
 /// The gates whose width differs from that of a body of `body_radius_m` by at most `within_m`, from
-/// the narrowest. Between two parallel walls one place stands for all; not more than 10,000.
+/// the narrowest. Between two parallel walls one place stands for all; of the first 1,000 that are met.
 pub fn gates_at_the_limit(arena: &Arena, body_radius_m: f64, within_m: f64) -> Vec<Gate> {
     let walls: Vec<Segment> = arena
         .boundary()

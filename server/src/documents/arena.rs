@@ -37,6 +37,9 @@ pub(super) const TILED_FIELDS: [&str; 7] = [
 const MAX_DEPTH: u32 = 4;
 /// Most walls and starts of all arenas of a job together: 128 MB.
 const MAX_PARTS: usize = 4_000_000;
+/// Most walls and starts that the runs of a job show, each combination of the matrix for itself:
+/// half a kilobyte of document each.
+const MAX_SHOWN_PARTS: usize = 500_000;
 /// Fields of a start pose.
 const POSE_FIELDS: [&str; 3] = ["x_m", "y_m", "heading_rad"];
 
@@ -77,6 +80,8 @@ pub struct Found {
     pub arena: Arc<Arena>,
     /// Its name, or the object with every default and with generated walls written out.
     pub shown: ArenaRef,
+    /// Walls and starts that are written out there.
+    shown_parts: usize,
 }
 
 /// Reads arenas, each but once however many runs of a job use it.
@@ -86,6 +91,8 @@ pub struct Arenas<'a> {
     read: BTreeMap<String, Result<Found, Vec<FieldError>>>,
     /// Walls and starts of all of them.
     parts: usize,
+    /// Walls and starts that are written out wherever one of them was asked for.
+    shown_parts: usize,
 }
 
 impl<'a> Arenas<'a> {
@@ -95,6 +102,7 @@ impl<'a> Arenas<'a> {
             source,
             read: BTreeMap::new(),
             parts: 0,
+            shown_parts: 0,
         }
     }
 
@@ -106,11 +114,23 @@ impl<'a> Arenas<'a> {
                 return Err(vec![too_many_parts()]);
             }
             let found = find(value, source, MAX_DEPTH)?;
-            *parts += found.arena.walls().len() + found.arena.starts().len();
+            *parts += parts_of(&found.arena);
             Ok(found)
         });
         match outcome {
-            Ok(found) => Some(found.clone()),
+            // One arena is let through however large: it has limits of its own.
+            Ok(found)
+                if self.shown_parts > 0
+                    && self.shown_parts + found.shown_parts > MAX_SHOWN_PARTS =>
+            {
+                let error = too_many_shown();
+                errors.add(pointer, error.message, error.allowed);
+                None
+            }
+            Ok(found) => {
+                self.shown_parts += found.shown_parts;
+                Some(found.clone())
+            }
             Err(wrong) => {
                 errors.extend(wrong.iter().map(|error| FieldError {
                     pointer: format!("{pointer}{}", error.pointer),
@@ -120,6 +140,21 @@ impl<'a> Arenas<'a> {
             }
         }
     }
+}
+
+fn parts_of(arena: &Arena) -> usize {
+    arena.walls().len() + arena.starts().len()
+}
+
+fn too_many_shown() -> FieldError {
+    FieldError::new(
+        "",
+        "the job's combinations write out too many walls",
+        format!(
+            "at most {MAX_SHOWN_PARTS} walls and starts, counted for each combination of the \
+             matrix; an arena that was uploaded can be named instead of written out"
+        ),
+    )
 }
 
 fn too_many_parts() -> FieldError {
@@ -209,6 +244,7 @@ fn tiled(value: &Value, source: &dyn ArenaSource, depth: u32) -> Result<Found, V
     Ok(Found {
         arena: Arc::new(arena),
         shown: ArenaRef::Inline(shown),
+        shown_parts: from.shown_parts,
     })
 }
 
@@ -248,6 +284,7 @@ fn by_name(name: &str, source: &dyn ArenaSource) -> Result<Found, Vec<FieldError
         Some(arena) => Ok(Found {
             arena,
             shown: ArenaRef::Name(name.to_owned()),
+            shown_parts: 0,
         }),
         None => {
             let names = source.names();
@@ -304,6 +341,7 @@ fn inline(value: &Value) -> Result<Found, Vec<FieldError>> {
     check_name(&arena)?;
     Ok(Found {
         shown: ArenaRef::Inline(shown(&arena)),
+        shown_parts: parts_of(&arena),
         arena: Arc::new(arena),
     })
 }

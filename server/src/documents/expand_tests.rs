@@ -180,6 +180,33 @@ fn a_long_arena_in_many_combinations_is_refused_at_once() {
 }
 
 #[test]
+fn walls_that_many_combinations_write_out_are_bounded() {
+    // Short to say, 23,000 walls each: what 2,000 of them show would be gigabytes.
+    let rooms = json!({
+        "name": "long", "width_m": 1_000.0, "height_m": 0.5,
+        "generate": { "kind": "rooms", "seed": 0 }
+    });
+    let brownian = json!({ "method": "brownian" });
+    let base = json!({ "arena": rooms, "controller": brownian });
+    let refused = |matrix: Value, pointer: &str| {
+        let job = json!({ "base": base, "matrix": matrix });
+        let errors = expand(&job, &BuiltinArenas).unwrap_err();
+        assert!(
+            errors[0].message.contains("write out too many walls"),
+            "{errors:?}"
+        );
+        assert!(errors[0].pointer.starts_with(pointer), "{errors:?}");
+    };
+    let numbers: Vec<u32> = (1..=2_000).collect();
+    refused(json!({ "arena.generate.seed": numbers }), "/matrix");
+    // The same arena in each of them, too.
+    refused(json!({ "epochs": numbers }), "/base/arena");
+    let few =
+        json!({ "base": base, "matrix": { "epochs": [1, 2, 3] }, "seeds": { "count": 1_000 } });
+    assert_eq!(expand(&few, &BuiltinArenas).unwrap().runs.len(), 3_000);
+}
+
+#[test]
 fn robots_that_do_not_fit_are_told_with_the_most_that_do() {
     let job = |robots: &[u32], placement: &str| {
         json!({

@@ -145,12 +145,24 @@ impl Store {
             true => (">", "", 0),
             false => ("<", "DESC", i64::MAX),
         };
+        // Only what is wanted is asked for: the runs of a state have an index.
+        let wanted = [
+            (filter.state.is_some(), " AND state = ?2"),
+            (filter.method.is_some(), " AND method = ?3"),
+            (filter.arena.is_some(), " AND arena = ?4"),
+            (
+                filter.job.is_some(),
+                " AND runs.seq IN (SELECT run FROM job_runs WHERE job = ?5)",
+            ),
+        ];
+        let wanted: String = wanted
+            .iter()
+            .filter_map(|(is_wanted, condition)| is_wanted.then_some(*condition))
+            .collect();
         let mut items = self
             .reader()
             .prepare_cached(&format!(
-                "{} WHERE {} AND runs.seq {way} ?1
-                    AND (?2 IS NULL OR state = ?2) AND (?3 IS NULL OR method = ?3)
-                    AND (?4 IS NULL OR arena = ?4)
+                "{} WHERE {} AND runs.seq {way} ?1{wanted}
                     AND (job, ordinal) = (SELECT job, ordinal FROM job_runs of
                         WHERE of.run = runs.seq AND (?5 IS NULL OR of.job = ?5)
                         ORDER BY job, ordinal LIMIT 1)
