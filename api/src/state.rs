@@ -82,17 +82,20 @@ pub enum WaitsFor {
     LosslessReaders,
     /// The programs that steer its robots.
     Controllers,
+    /// The store, which cannot keep its end: it has no room, most likely.
+    Store,
 }
 
 impl WaitsFor {
     /// All of them.
-    pub const ALL: [Self; 2] = [Self::LosslessReaders, Self::Controllers];
+    pub const ALL: [Self; 3] = [Self::LosslessReaders, Self::Controllers, Self::Store];
 
     /// The name in JSON.
     pub const fn name(self) -> &'static str {
         match self {
             Self::LosslessReaders => "lossless_readers",
             Self::Controllers => "controllers",
+            Self::Store => "store",
         }
     }
 }

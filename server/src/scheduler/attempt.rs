@@ -22,7 +22,7 @@ use crate::recording::{
 use crate::runner::{
     self, Attendant, Checkpoints, MemoryBound, PauseAt, Pilot, Stop, Threads, Waits,
 };
-use crate::store::{Checkpoint, ClaimedRun, Finished, Position, Store};
+use crate::store::{Checkpoint, ClaimedRun, Finished, Position, Store, StoreError};
 use crate::watching::Watched;
 
 /// How an attempt ended.
@@ -75,8 +75,12 @@ pub fn attempt(
         let saves = Arc::clone(live.saves());
         let counters = counters.clone();
         move |(checkpoint, tail)| {
-            counters.time_checkpoint(|| write(&store, &id, &checkpoint, tail));
-            saves.is_written();
+            let mut outcome = Ok(());
+            counters.time_checkpoint(|| {
+                outcome = write(&store, &id, &checkpoint, tail);
+                outcome.is_ok()
+            });
+            saves.is_written(outcome);
         }
     })
     .also_when({
@@ -230,7 +234,8 @@ pub fn park(
 }
 
 fn save(store: &Store, id: &str, run: &Run, recorder: &SharedRecorder) {
-    write(store, id, &checkpoint_of(run), recorder.tail());
+    // What could not be written is in the log; the run starts from what there is.
+    drop(write(store, id, &checkpoint_of(run), recorder.tail()));
 }
 
 pub fn checkpoint_of(run: &Run) -> Checkpoint {
@@ -241,9 +246,13 @@ pub fn checkpoint_of(run: &Run) -> Checkpoint {
 }
 
 /// A run without a checkpoint starts again after a crash, with the same result: a warning will do.
-/// The recording comes first: a checkpoint that it does not reach to would be worth nothing. Returns
-/// whether it is written.
-fn write(store: &Store, id: &str, checkpoint: &Checkpoint, tail: Option<Tail>) -> bool {
+/// The recording comes first: a checkpoint that it does not reach to would be worth nothing.
+fn write(
+    store: &Store,
+    id: &str,
+    checkpoint: &Checkpoint,
+    tail: Option<Tail>,
+) -> Result<(), StoreError> {
     if tail.is_some_and(|tail| !tail.keep()) {
         tracing::warn!(run = id, "the recording cannot be kept");
     }
@@ -251,7 +260,7 @@ fn write(store: &Store, id: &str, checkpoint: &Checkpoint, tail: Option<Tail>) -
     if let Err(error) = &written {
         tracing::warn!(run = id, %error, "the checkpoint cannot be written");
     }
-    written.is_ok()
+    written
 }
 
 pub fn stored_spec(store: &Store, spec: &str) -> Result<ResolvedRun, Vec<FieldError>> {

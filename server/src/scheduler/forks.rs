@@ -4,7 +4,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use api::{CheckpointInfo, FieldError, Fork, RunOrigin, State as Life};
+use api::{CheckpointInfo, FieldError, Fork, RunOrigin, State as Life, WaitsFor};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use swarm::run::{CHANGEABLE, RestoreError, Run};
@@ -15,7 +15,7 @@ use super::attempt::{checkpoint_of, stored_spec};
 use super::control_error::ControlError;
 use super::live::findings_of;
 use crate::documents::{Design, ExpandedJob, ResolvedRun, parse, resolve};
-use crate::store::{Checkpoint, Checkpoints, Created, JobKey, JobRequest, RunView};
+use crate::store::{Checkpoint, Checkpoints, Created, JobKey, JobRequest, RunView, StoreError};
 
 /// Longest wait for a checkpoint of a run that is being stepped.
 const TAKING: Duration = Duration::from_secs(30);
@@ -224,11 +224,22 @@ impl Scheduler {
             live.saves().ask();
             let until = Instant::now() + TAKING;
             // It may also be let go of meanwhile, which leaves a checkpoint too.
+            let is_stuck = || matches!(live.waiting(), Some((WaitsFor::Store, _)));
             while live.saves().written() == before
                 && self.is_held(run, &live)
+                && !is_stuck()
                 && Instant::now() < until
             {
                 std::thread::sleep(LOOK);
+            }
+            if live.saves().written() != before
+                && let Some(error) = live.saves().take_failure()
+            {
+                return Err(error.into());
+            }
+            if self.is_held(run, &live) && is_stuck() {
+                let why = "the end of the run cannot be stored either".to_owned();
+                return Err(StoreError::Full(why).into());
             }
         }
         if let Some(checkpoint) = store.checkpoints().read(&run.id)? {
@@ -271,6 +282,4 @@ fn unusable(why: &dyn std::fmt::Display) -> ControlError {
 }
 
 fn hex(bytes: &[u8]) -> String {
-    let digest = Sha256::digest(bytes);
-    digest.iter().map(|byte| format!("{byte:02x}")).collect()
-}
+    let digest = Sha256::digest(bytes)

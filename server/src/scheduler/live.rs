@@ -9,7 +9,7 @@ use api::WaitsFor;
 use swarm::run::{Progress, Run};
 
 use crate::runner::{Observer, Pace, Stop};
-use crate::store::Findings;
+use crate::store::{Findings, StoreError};
 use crate::watching::Window;
 
 /// How long a run waits before it is shown to: whoever is in step with it makes it wait again and
@@ -58,6 +58,8 @@ pub fn findings_of(run: &Run) -> Findings {
 pub struct Saves {
     asked: AtomicBool,
     written: AtomicU64,
+    /// Why the last one could not be written.
+    failed: Mutex<Option<StoreError>>,
 }
 
 impl Saves {
@@ -72,8 +74,17 @@ impl Saves {
     }
 
     /// One more is written, or could not be.
-    pub fn is_written(&self) {
+    pub fn is_written(&self, outcome: Result<(), StoreError>) {
+        *self.failed.lock().unwrap_or_else(PoisonError::into_inner) = outcome.err();
         self.written.fetch_add(1, Ordering::Release);
+    }
+
+    /// Why the last one could not be written; whoever asks next is not told again.
+    pub fn take_failure(&self) -> Option<StoreError> {
+        self.failed
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .take()
     }
 
     /// How many there were.

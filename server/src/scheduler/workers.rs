@@ -406,13 +406,15 @@ impl Shared {
                     id: &claimed.id,
                     snapshot: &last,
                 });
-                self.persist(&claimed.id, || {
+                self.persist(&claimed.id, Some(live), || {
                     self.store.finish(claimed.seq, &finished, last).map(drop)
                 });
             }
             Ended::Failed(reason) => {
                 tracing::error!(run = claimed.id, reason, "the run failed");
-                self.persist(&claimed.id, || self.store.fail(claimed.seq, &reason));
+                self.persist(&claimed.id, Some(live), || {
+                    self.store.fail(claimed.seq, &reason)
+                });
             }
             Ended::Stopped(run, recorder, waits) => {
                 let parking = AssertUnwindSafe(|| {
@@ -420,7 +422,9 @@ impl Shared {
                 });
                 if let Err(panic) = catch_unwind(parking) {
                     let reason = said(&*panic);
-                    self.persist(&claimed.id, || self.store.fail(claimed.seq, &reason));
+                    self.persist(&claimed.id, Some(live), || {
+                        self.store.fail(claimed.seq, &reason)
+                    });
                 }
             }
         }
@@ -428,8 +432,17 @@ impl Shared {
 
     /// Stores the end of a run, and tries again until the database takes it or the process ends: the
     /// run then starts again from its checkpoint.
-    pub(super) fn persist(&self, id: &str, store: impl Fn() -> Result<(), StoreError>) {
+    pub(super) fn persist(
+        &self,
+        id: &str,
+        live: Option<&LiveRun>,
+        store: impl Fn() -> Result<(), StoreError>,
+    ) {
+        let since = Instant::now();
         while let Err(error) = store() {
+            if let Some(live) = live {
+                live.waits(WaitsFor::Store, since);
+            }
             tracing::error!(run = id, %error, "the end of the run cannot be stored; trying again");
             if self.pause(RETRY) {
                 return;

@@ -25,7 +25,7 @@ const ROBOT_EVERY_MS = 100;
 const LEARNT_EVERY_MS = 1_000;
 const FINDINGS_EVERY_MS = 2_000;
 const ENDED = ["done", "failed", "cancelled"];
-const WAITS_FOR = { lossless_readers: "readers of its lossless channel", controllers: "the programs that steer it" };
+const WAITS_FOR = { lossless_readers: "readers of its lossless channel", controllers: "the programs that steer it", store: "the store, to keep its end" };
 
 /** A file of a run, as the server's own table lists it. */
 interface RunFile {

@@ -38,7 +38,7 @@ async fn metrics_tell_what_was_done() {
     assert_eq!(sample(&text, "evswarm_runs{state=\"failed\"}"), 0.0);
     assert_eq!(sample(&text, "evswarm_threads"), 1.0);
     assert_eq!(sample(&text, "evswarm_queued_runs"), 0.0);
-    for whom in ["lossless_readers", "controllers"] {
+    for whom in ["lossless_readers", "controllers", "store"] {
         let name = format!("evswarm_waiting_runs{{for=\"{whom}\"}}");
         assert_eq!(sample(&text, &name), 0.0);
     }
