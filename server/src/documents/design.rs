@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::labels::shortened;
+use super::labels::{Words, labels_of, shortened};
 use super::matrix::Axis;
 
 /// The runs of a job, or of a part of it: the product of the axes, the last one fastest, and of
@@ -50,6 +50,23 @@ impl Design {
         self.axes.iter().map(|axis| axis.values.len()).product()
     }
 
+    /// What each combination is called, as the labels of its runs call it: values that are stored
+    /// in short read as they did in full.
+    pub fn labels(&self) -> Vec<String> {
+        let words = self.axes.iter().map(|axis| {
+            let values = axis.values.iter();
+            Words::new(axis.paths.join("+"), values)
+        });
+        let labels = labels_of(words.collect(), self.combinations()).into_iter();
+        labels
+            .map(|label| match (&self.part, label.as_str()) {
+                (None, _) => label,
+                (Some(part), "") => part.clone(),
+                (Some(part), label) => format!("{part}: {label}"),
+            })
+            .collect()
+    }
+
     /// A job's designs from their text.
     ///
     /// # Errors
@@ -82,7 +99,39 @@ impl DesignAxis {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+    use serde_json::json;
+
+    use super::super::fields::Errors;
+    use super::super::matrix::axes;
     use super::*;
+    use crate::documents::{BuiltinArenas, expand};
+
+    /// Runs are told apart by them after others of the job were deleted.
+    #[test]
+    fn a_design_calls_its_combinations_as_their_runs_are_called() {
+        let long = "x".repeat(300);
+        let job = json!({ "base": { "epochs": 1 }, "parts": [
+            { "name": "plain" },
+            { "name": "varied", "seeds": [3, 4], "matrix": {
+                "epochs+steps_per_epoch": [[1, 100], [4, 25]],
+                "sharing.mode": ["none", "arena"],
+                "controller": [{ "method": "im" }, { "method": "im", "lambda": 3 }],
+            } },
+        ] });
+        let expanded = expand(&job, &BuiltinArenas).unwrap();
+        let labels = expanded.designs.iter().flat_map(|design| {
+            let labels = design.labels().into_iter();
+            labels.flat_map(|label| std::iter::repeat_n(label, design.seeds))
+        });
+        assert_eq!(labels.collect::<Vec<_>>(), expanded.labels);
+        // As it is stored and as it was posted.
+        let matrix = json!({ "name": [{ "name": long }, { "other": long }] });
+        let axes = axes(&matrix, &mut Errors::default()).unwrap();
+        assert_eq!(
+            Design::new(&axes, 1).labels(),
+            super::super::labels::labels(&axes, 2)
+        );
+    }
 
     #[test]
     fn designs_of_earlier_versions_are_read() {

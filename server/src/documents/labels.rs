@@ -2,27 +2,55 @@
 
 use serde_json::Value;
 
-use super::matrix::{Axis, place_of};
+use super::matrix::{Axis, indices_at};
 
 /// Most characters of a value that is shown.
 const MAX_CHARACTERS: usize = 40;
 
-/// The words of an axis: its name and those of its values, no two alike.
-struct Words {
+/// The words of an axis: its name and those of its values.
+pub struct Words {
     name: String,
     values: Vec<String>,
 }
 
+impl Words {
+    /// Of an axis at this path (several with `+` between them), whose values have an entry a path.
+    pub fn new<'a, V>(path: impl Into<String>, values: impl Iterator<Item = V>) -> Self
+    where
+        V: IntoIterator<Item = &'a Value>,
+    {
+        let value = |entries: V| {
+            let parts: Vec<String> = entries.into_iter().map(in_short).collect();
+            parts.join(" + ")
+        };
+        Self {
+            name: path.into(),
+            values: values.map(value).collect(),
+        }
+    }
+}
+
 /// A label for each combination, in their order; axes of one value do not show.
 pub fn labels(axes: &[Axis<'_>], combinations: usize) -> Vec<String> {
+    let words = axes.iter().map(|axis| {
+        let entries = |index| (0..axis.targets.len()).map(move |target| axis.value(index, target));
+        Words::new(axis.path, (0..axis.values.len()).map(entries))
+    });
+    labels_of(words.collect(), combinations)
+}
+
+/// The same from the words of the axes.
+pub fn labels_of(axes: Vec<Words>, combinations: usize) -> Vec<String> {
+    let lengths: Vec<usize> = axes.iter().map(|axis| axis.values.len()).collect();
+    let paths: Vec<String> = axes.iter().map(|axis| axis.name.clone()).collect();
     let words: Vec<Option<Words>> = axes
-        .iter()
-        .map(|axis| (axis.values.len() > 1).then(|| words(axis, axes)))
+        .into_iter()
+        .map(|axis| (axis.values.len() > 1).then(|| told_apart(axis, &paths)))
         .collect();
     let label = |place| {
         let parts: Vec<String> = words
             .iter()
-            .zip(place_of(axes, place))
+            .zip(indices_at(lengths.iter().copied(), place))
             .filter_map(|(words, index)| {
                 let words = words.as_ref()?;
                 Some(format!("{} {}", words.name, words.values[index]))
@@ -39,22 +67,15 @@ fn short(path: &str) -> String {
     path.split('+').map(last).collect::<Vec<_>>().join("+")
 }
 
-fn words(axis: &Axis<'_>, axes: &[Axis<'_>]) -> Words {
-    let name_of = short(axis.path);
-    let alike = axes.iter().filter(|other| short(other.path) == name_of);
-    let name = if alike.count() == 1 {
-        name_of
-    } else {
-        axis.path.to_owned()
-    };
-    let mut values: Vec<String> = (0..axis.values.len())
-        .map(|index| {
-            let parts: Vec<String> = (0..axis.targets.len())
-                .map(|target| in_short(axis.value(index, target)))
-                .collect();
-            parts.join(" + ")
-        })
-        .collect();
+/// With a name no longer than it must be, and no two values alike.
+fn told_apart(axis: Words, paths: &[String]) -> Words {
+    let Words {
+        name: path,
+        mut values,
+    } = axis;
+    let name = short(&path);
+    let alike = paths.iter().filter(|other| short(other) == name).count();
+    let name = if alike == 1 { name } else { path };
     let mut sorted: Vec<&String> = values.iter().collect();
     sorted.sort();
     if sorted.windows(2).any(|pair| pair[0] == pair[1]) {

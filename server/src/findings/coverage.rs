@@ -4,6 +4,7 @@ use api::SCHEMA;
 use api::curves::GroupCoverage;
 use arenas::Squares;
 
+use super::groups::run_at;
 use super::{Assembler, FindingsError};
 use crate::store::JobView;
 use crate::summary::comparison::{ComparisonError, DEFAULT_MEASURE, sets};
@@ -37,10 +38,9 @@ impl Assembler {
         }
         let mut sums = Sums::default();
         for &(place, _) in &set.places {
-            let run = usize::try_from(place)
-                .ok()
-                .and_then(|place| runs.get(place));
-            let Some(run) = run else { continue };
+            let Some(run) = run_at(&runs, place) else {
+                continue;
+            };
             let Some(found) = self.store.findings(run.seq)? else {
                 continue;
             };

@@ -2,6 +2,7 @@
 
 use api::curves::JobCurves;
 
+use super::groups::run_at;
 use super::{Assembler, FindingsError};
 use crate::store::{JobView, StoreError};
 use crate::summary::curves::{CurvesError, Wanted, curves};
@@ -24,9 +25,7 @@ impl Assembler {
             _ => row.p1,
         };
         let curve = |place: u64| -> Result<Vec<f64>, StoreError> {
-            let run = usize::try_from(place)
-                .ok()
-                .and_then(|place| runs.get(place));
+            let run = run_at(&runs, place);
             let findings = run
                 .map(|run| self.store.findings(run.seq))
                 .transpose()?

@@ -21,7 +21,7 @@ pub enum FindingsError {
     /// The job is not one that the report is about.
     #[error(
         "job {0} has no report: its runs are not those of the template chapter-5, with epochs, \
-         steps, arenas and seeds from 1 on of your choice and nothing else changed"
+         steps, arenas and seeds from 1 on of your choice, nothing else changed and none deleted"
     )]
     NoReport(JobKey),
     /// The report needs all runs.

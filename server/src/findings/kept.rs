@@ -18,8 +18,9 @@ const REPORTS: usize = 4;
 pub struct Kept {
     /// By the tag of what they show.
     files: Mutex<LruCache<String, Bytes>>,
-    /// Of jobs that are done: these do not change, and no job's number is used again.
-    reports: Mutex<LruCache<JobKey, Arc<Report>>>,
+    /// Of jobs that are done, with so many runs: more come and some go, but of a job with a report
+    /// it is known which. No job's number is used again.
+    reports: Mutex<LruCache<(JobKey, u64), Arc<Report>>>,
 }
 
 impl Default for Kept {
@@ -37,10 +38,11 @@ impl Kept {
         kept(&self.files, tag.to_owned(), make)
     }
 
-    /// The report of this job, made only if it is not kept, and kept only if it can be made.
+    /// The report of this job with so many runs, made only if it is not kept, and kept only if it can
+    /// be made.
     pub fn report<E>(
         &self,
-        job: JobKey,
+        job: (JobKey, u64),
         make: impl FnOnce() -> Result<Report, E>,
     ) -> Result<Arc<Report>, E> {
         kept(&self.reports, job, || make().map(Arc::new))

@@ -4,6 +4,7 @@
 mod coverage;
 mod curves;
 mod error;
+mod groups;
 mod kept;
 mod learnt;
 mod report;

@@ -13,7 +13,7 @@ impl Assembler {
     /// When the job is of another kind, not done, or its runs cannot be read.
     pub fn report(&self, job: &JobView) -> Result<Arc<Report>, FindingsError> {
         let (seq, counts) = (job.seq, job.counts);
-        self.kept.report(seq, || {
+        self.kept.report((seq, counts.total), || {
             let failed = |error: anyhow::Error| {
                 FindingsError::broken(format!("job {seq}"), format!("{error:#}"))
             };

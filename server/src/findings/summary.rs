@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use api::JobSummary;
 use api::comparison::Comparison;
 
+use super::groups::{Groups, run_at};
 use super::{Assembler, FindingsError};
 use crate::documents::Design;
 use crate::recording::known_explanation;
@@ -25,7 +26,7 @@ impl Assembler {
         };
         let mut fault = None;
         let summary = summary(&input, |place| {
-            let run = runs.get(usize::try_from(place).ok()?)?;
+            let run = run_at(&runs, place)?;
             let findings = self.store.findings(run.seq);
             let metrics = findings
                 .map_err(|error| fault.get_or_insert(error))
@@ -54,16 +55,21 @@ impl Assembler {
     pub(super) fn input(&self, job: &JobView, runs: &[RunView]) -> Result<Input, FindingsError> {
         let seq = job.seq;
         let designs = self.designs(seq, runs)?;
-        let parts = parts(&designs, runs)
+        let groups = Groups::new(&designs, runs)
             .ok_or_else(|| broken(seq, "its design is not that of its runs"))?;
-        let robots = parts.iter().map(|part| self.robots(part.first));
+        let firsts = groups.firsts.iter();
+        let robots = firsts.map(|first| match first.and_then(|place| runs.get(place)) {
+            Some(run) => self.robots(run),
+            None => Ok(0),
+        });
         Ok(Input {
             job_id: seq.to_string(),
             name: job.name.clone(),
             runs: runs.len() as u64,
             robots: robots.collect::<Result<_, _>>()?,
-            labels: parts.into_iter().flat_map(|part| part.labels).collect(),
-            finished: finished(runs),
+            finished: finished(runs, &groups.of_runs),
+            labels: groups.labels,
+            counts: groups.counts,
             told: BTreeMap::new(),
             designs,
         })
@@ -113,11 +119,13 @@ impl Assembler {
     }
 }
 
-fn finished(runs: &[RunView]) -> Vec<FinishedRun> {
-    let done = runs.iter().filter_map(|run| Some((run, run.result()?)));
-    done.map(|(run, result)| FinishedRun {
+fn finished(runs: &[RunView], combinations: &[usize]) -> Vec<FinishedRun> {
+    let all = runs.iter().zip(combinations);
+    let done = all.filter_map(|(run, combination)| Some((run, *combination, run.result()?)));
+    done.map(|(run, combination, result)| FinishedRun {
         id: run.id.clone(),
         place: run.ordinal,
+        combination,
         seed: run.seed,
         result: result.clone(),
         cpu_ns_per_robot_step: run.cpu_ns_per_robot_step,
@@ -127,31 +135,4 @@ fn finished(runs: &[RunView]) -> Vec<FinishedRun> {
 
 fn broken(job: JobKey, why: impl ToString) -> FindingsError {
     FindingsError::broken(format!("job {job}"), why)
-}
-
-/// The runs of one part of a job.
-struct Part<'a> {
-    first: &'a RunView,
-    /// Of the first run of every combination.
-    labels: Vec<String>,
-}
-
-/// The parts of a job; `None` when its runs are not as many as they have.
-fn parts<'a>(designs: &[Design], runs: &'a [RunView]) -> Option<Vec<Part<'a>>> {
-    let mut rest = runs;
-    let part = |design: &Design| {
-        let count = design.combinations().checked_mul(design.seeds)?;
-        let (part, after) = rest.split_at_checked(count)?;
-        rest = after;
-        Some(Part {
-            first: part.first()?,
-            labels: part
-                .iter()
-                .step_by(design.seeds)
-                .map(|run| run.label.clone())
-                .collect(),
-        })
-    };
-    let parts = designs.iter().map(part).collect::<Option<_>>()?;
-    rest.is_empty().then_some(parts)
 }

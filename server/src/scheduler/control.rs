@@ -2,6 +2,7 @@
 //! here, between two changes of the store. A run that a worker holds is let go of at a step
 //! boundary, with a checkpoint, and taken up again as what it is then.
 
+use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
 use api::{FieldError, Fork, State as Life};
@@ -11,7 +12,7 @@ use super::arenas::StoredArenas;
 use super::control_error::ControlError;
 use super::submission::new_job;
 use super::{Scheduler, attempt};
-use crate::documents::{ExpandedJob, expand, with_more_seeds};
+use crate::documents::{ExpandedJob, ResolvedRun, expand, with_more_seeds};
 use crate::store::{Created, Intent, JobKey, JobRequest, JobView, NewJob, RunKey, RunView};
 
 /// Longest wait for a worker to let go of a run.
@@ -43,7 +44,8 @@ impl Scheduler {
         }
     }
 
-    /// Adds runs with so many more seeds to a job. Returns how many there are.
+    /// Adds runs with so many more seeds to a job, and not again those of its seeds that were deleted.
+    /// Returns how many there are.
     ///
     /// # Errors
     /// `NoDocument`, `Ended` when it is cancelled, `Invalid`, `NoRoom`, `Store`.
@@ -63,9 +65,12 @@ impl Scheduler {
             )]));
         }
         let longer = with_more_seeds(&document, more);
-        let expanded = expand(&longer, &StoredArenas::new(store)).map_err(ControlError::Invalid)?;
+        let all =
+            |document| expand(document, &StoredArenas::new(store)).map_err(ControlError::Invalid);
+        let had: BTreeSet<String> = all(&document)?.runs.iter().map(ResolvedRun::key).collect();
         let request = JobRequest::of_document(longer.to_string().as_bytes(), None);
-        let longer = self.new_job(expanded, request)?;
+        let mut longer = self.new_job(all(&longer)?, request)?;
+        longer.runs.retain(|run| !had.contains(&run.id));
         let added = store.extend_job(job.seq, &longer, self.shared.config.unfinished_limit)?;
         self.requeue(job.seq)?;
         Ok(added)

@@ -15,6 +15,8 @@ pub struct FinishedRun {
     pub id: String,
     /// Place in the job.
     pub place: u64,
+    /// Which of the job's combinations it has, counted part by part.
+    pub combination: usize,
     /// Seed.
     pub seed: u64,
     /// What it found.
@@ -59,7 +61,9 @@ pub struct Input {
     pub runs: u64,
     /// A label for each combination, part by part.
     pub labels: Vec<String>,
-    /// Robots of each part where its design does not vary them.
+    /// Runs of each combination, done or not; of those that were deleted nothing is known.
+    pub counts: Vec<u64>,
+    /// Robots of each part where its design does not vary them; 0 for one that has no run any more.
     pub robots: Vec<u32>,
     /// The runs that are done, in order.
     pub finished: Vec<FinishedRun>,
@@ -77,12 +81,12 @@ pub struct Combination<'a> {
     pub runs: Vec<&'a FinishedRun>,
 }
 
-/// The combinations of a part whose first run is at `place` of the job.
+/// The combinations of a part, which are those of the job from `first` on.
 pub fn combinations<'a>(
     input: &'a Input,
     design: &Design,
     robots: u32,
-    place: u64,
+    first: usize,
 ) -> Vec<Combination<'a>> {
     let axes = &design.axes;
     let mut combinations: Vec<Combination<'_>> = (0..design.combinations())
@@ -97,10 +101,9 @@ pub fn combinations<'a>(
             }
         })
         .collect();
-    let seeds = design.seeds.max(1) as u64;
     for run in &input.finished {
-        let number = run.place.checked_sub(place).map(|place| place / seeds);
-        if let Some(combination) = number.and_then(|n| combinations.get_mut(n as usize)) {
+        let number = run.combination.checked_sub(first);
+        if let Some(combination) = number.and_then(|number| combinations.get_mut(number)) {
             combination.runs.push(run);
         }
     }

@@ -40,14 +40,20 @@ pub fn measured(runs: &[&FinishedRun], name: &str) -> Vec<f64> {
     runs.iter().filter_map(|run| measure(run, name)).collect()
 }
 
-/// One group a combination of a part; `labels` begins with those of the part.
-pub fn groups(design: &Design, labels: &[String], combinations: &[Combination<'_>]) -> Vec<Group> {
+/// One group a combination of a part; `labels`, and `counts` of their runs, begin with those of the
+/// part.
+pub fn groups(
+    design: &Design,
+    labels: &[String],
+    counts: &[u64],
+    combinations: &[Combination<'_>],
+) -> Vec<Group> {
     let all = combinations.iter().enumerate();
     all.map(|(number, combination)| Group {
         label: labels.get(number).cloned().unwrap_or_default(),
         values: values(design, &combination.indices, &[]),
         robots: combination.robots,
-        runs: design.seeds as u64,
+        runs: counts.get(number).copied().unwrap_or_default(),
         runs_done: combination.runs.len() as u64,
         measures: known_measures()
             .map(|name| pooled(name, &combination.runs))

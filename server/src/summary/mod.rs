@@ -35,11 +35,12 @@ pub fn summary(
         scaling: Vec::new(),
         sharing: Vec::new(),
     };
-    let mut place = 0;
+    let mut first = 0;
     for (design, &robots) in input.designs.iter().zip(&input.robots) {
-        let combinations = combinations(input, design, robots, place);
-        place += (combinations.len() * design.seeds) as u64;
-        let labels = input.labels.get(summary.groups.len()..).unwrap_or_default();
+        let combinations = combinations(input, design, robots, first);
+        let labels = input.labels.get(first..).unwrap_or_default();
+        let counts = input.counts.get(first..).unwrap_or_default();
+        first += combinations.len();
         let (scaling, sharing) = (
             scaling::scaling(design, &combinations, &mut first_entries),
             sharing::sharing(design, &combinations),
@@ -48,7 +49,7 @@ pub fn summary(
         summary.odd_runs.extend(odd);
         summary
             .groups
-            .extend(groups::groups(design, labels, &combinations));
+            .extend(groups::groups(design, labels, counts, &combinations));
         summary.scaling.extend(scaling);
         summary.sharing.extend(sharing);
     }

@@ -11,6 +11,7 @@ pub fn finished(place: u64, seed: u64, t90: Option<u64>, mean_coverage: f64) -> 
     FinishedRun {
         id: format!("run {place}"),
         place,
+        combination: 0,
         seed,
         result: RunResult {
             schema: SCHEMA,
@@ -51,15 +52,21 @@ pub fn axis(paths: &[&str], values: Value) -> DesignAxis {
     }
 }
 
-pub fn input(seeds: usize, axes: Vec<DesignAxis>, finished: Vec<FinishedRun>) -> Input {
+/// A job that has all its runs, in order.
+pub fn input(seeds: usize, axes: Vec<DesignAxis>, mut finished: Vec<FinishedRun>) -> Input {
+    for run in &mut finished {
+        run.combination = run.place as usize / seeds;
+    }
+    let design = Design {
+        part: None,
+        seeds,
+        axes,
+    };
     Input {
         job_id: "1".to_owned(),
         name: "a job".to_owned(),
-        designs: vec![Design {
-            part: None,
-            seeds,
-            axes,
-        }],
+        counts: vec![seeds as u64; design.combinations()],
+        designs: vec![design],
         runs: finished.len() as u64,
         labels: Vec::new(),
         robots: vec![1],
@@ -131,8 +138,12 @@ fn parts_are_summed_up_apart() {
     input.robots.push(7);
     input.labels = ["a", "b", "c", "d"].map(str::to_owned).into();
     // Places 0 to 3 are the first part's, 4 and 5 the second's.
-    let place = |place| finished(place, place, Some(10 * (place + 1)), 0.5);
-    input.finished = [1, 3, 4, 5].map(place).into();
+    input.counts = vec![2, 2, 1, 1];
+    let place = |(place, combination)| FinishedRun {
+        combination,
+        ..finished(place, place, Some(10 * (place + 1)), 0.5)
+    };
+    input.finished = [(1, 0), (3, 1), (4, 2), (5, 3)].map(place).into();
     let summary = summary(&input, |_| None);
     let done = summary.groups.iter().map(|group| {
         (

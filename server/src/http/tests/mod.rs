@@ -5,6 +5,7 @@ mod access;
 mod contract;
 mod control;
 mod damage;
+mod deleted_runs;
 mod exports;
 mod forks;
 mod jobs;

@@ -47,10 +47,9 @@ pub fn sets(
         });
     }
     let mut sets: Vec<Set> = Vec::new();
-    let (mut place, mut number) = (0, 0);
+    let mut number = 0;
     for (design, &robots) in input.designs.iter().zip(&input.robots) {
-        let combinations = combinations(input, design, robots, place);
-        place += (combinations.len() * design.seeds) as u64;
+        let combinations = combinations(input, design, robots, number);
         if by.is_none() && sets.len() + combinations.len() > most {
             return Err(ComparisonError::Groups {
                 groups: input.designs.iter().map(Design::combinations).sum(),
