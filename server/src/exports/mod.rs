@@ -95,6 +95,29 @@ pub fn check(store: &Store, job: &JobView, table: Table) -> Result<(), ExportErr
     Ok(())
 }
 
+/// What names the bytes of a table: equal tags, equal bytes. `None` while runs of the job are under
+/// way.
+///
+/// # Errors
+/// `Store`.
+pub fn tag(
+    store: &Store,
+    job: &JobView,
+    table: Table,
+    form: Form,
+) -> Result<Option<String>, StoreError> {
+    let Some(digest) = store.ended_runs_sha256(job.seq)? else {
+        return Ok(None);
+    };
+    let digits: String = digest[..16]
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect();
+    let version = env!("CARGO_PKG_VERSION");
+    let (name, suffix) = (table.name(), form.suffix());
+    Ok(Some(format!("{version}-{digits}-{name}.{suffix}")))
+}
+
 /// Writes a table; a few runs are held at a time, and the database between two writes never.
 ///
 /// # Errors

@@ -10,6 +10,7 @@ use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
 use tokio::sync::Semaphore;
 
+use super::exports::Lengths;
 use super::metrics::Metrics;
 use super::refusal::Refusal;
 use crate::events::Hub;
@@ -31,6 +32,8 @@ pub(super) struct App {
     pub(super) recordings: Arc<Maker>,
     /// Places for tables that are being made.
     pub(super) exports: Arc<Semaphore>,
+    /// How long tables are that were made.
+    pub(super) lengths: Arc<Lengths>,
     /// Places for streams of frames.
     pub(super) viewers: Arc<Semaphore>,
     /// Places for checkpoints that are opened.

@@ -1,8 +1,6 @@
 //! `/v1/runs/{id}/checkpoint`: take, download and upload states of a run; `/fork`: go on from one with
 //! other parameters.
 
-use std::io::{self, Read as _};
-
 use api::ProblemCode::{
     CheckpointNotKept, InvalidDocument, JobTooLarge, KeyReused, KeyUnderWay, QueueFull,
 };
@@ -11,13 +9,12 @@ use axum::Json;
 use axum::body::Bytes;
 use axum::extract::State;
 use axum::http::HeaderMap;
-use axum::http::header::{CONTENT_DISPOSITION, CONTENT_LENGTH, CONTENT_TYPE};
-use axum::response::{IntoResponse, Response};
+use axum::response::Response;
 
 use super::App;
 use super::extract::FoundRun;
 use super::operation::{Operation, Shape};
-use super::parts::streamed;
+use super::partial;
 use super::refusal::Refusal;
 use super::request::{BYTES, parse, said_to_be_bytes, said_to_be_json};
 use super::routes::Routes;
@@ -33,7 +30,6 @@ pub fn routes() -> Routes {
             Operation::new("getRunCheckpoint", "The newest state of a run that is kept")
                 .details("Of one that is done, its last state, while there is room for that.")
                 .answers(200, "The checkpoint.", BYTES, None)
-                .streamed()
                 .refuses(&[CheckpointNotKept]),
         )
         .post(
@@ -81,7 +77,11 @@ pub fn is_upload(method: &axum::http::Method, path: &str) -> bool {
 }
 
 /// `GET /v1/runs/{id}/checkpoint`.
-async fn download(State(app): State<App>, FoundRun(run): FoundRun) -> Result<Response, Refusal> {
+async fn download(
+    State(app): State<App>,
+    FoundRun(run): FoundRun,
+    headers: HeaderMap,
+) -> Result<Response, Refusal> {
     app.blocking(move |app| {
         let unreadable = |error: crate::store::CheckpointError| Refusal::damaged(&error);
         let file = app.store.checkpoints().file(&run.id).map_err(unreadable)?;
@@ -93,18 +93,8 @@ async fn download(State(app): State<App>, FoundRun(run): FoundRun) -> Result<Res
             let detail = format!("no state of the run is kept: it is {}", run.state.state());
             return Err(Refusal::new(ProblemCode::CheckpointNotKept, detail));
         };
-        let name = format!("attachment; filename=\"{}.checkpoint\"", run.id);
-        let bytes = file
-            .metadata()
-            .map_err(|error| Refusal::internal(&error))?
-            .len();
-        let body = streamed(move |out| io::copy(&mut file.take(bytes), out).map(drop));
-        let headers = [
-            (CONTENT_TYPE, BYTES.to_owned()),
-            (CONTENT_DISPOSITION, name),
-            (CONTENT_LENGTH, bytes.to_string()),
-        ];
-        Ok((headers, body).into_response())
+        let name = format!("{}.checkpoint", run.id);
+        partial::file(file, "checkpoint", (BYTES, &name), &headers, ())
     })
     .await
 }

@@ -32,6 +32,7 @@ mod metrics;
 mod openapi;
 mod operation;
 mod page;
+mod partial;
 mod parts;
 mod problems;
 mod query;

@@ -2,27 +2,24 @@
 //! and in other formats.
 
 use std::fs::File;
-use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::io::{self, Write};
 use std::sync::Arc;
 
 use api::ProblemCode::{self, RecordingNotFound};
 use api::recording::RecordingSlice;
 use axum::Json;
 use axum::extract::State;
-use axum::http::header::{
-    ACCEPT_RANGES, CACHE_CONTROL, CONTENT_DISPOSITION, CONTENT_LENGTH, CONTENT_RANGE, CONTENT_TYPE,
-    ETAG,
-};
-use axum::http::{HeaderMap, HeaderValue, StatusCode};
+use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE};
+use axum::http::{HeaderMap, HeaderValue};
 use axum::response::{IntoResponse, Response};
 use recording::Reader;
 use swarm::spec::Method;
 use tokio::sync::OwnedSemaphorePermit;
 
 use super::App;
-use super::conditional::{is_known, wanted};
 use super::extract::FoundRun;
 use super::operation::Operation;
+use super::partial;
 use super::parts::streamed;
 use super::query::{Parameter, Query};
 use super::refusal::Refusal;
@@ -151,57 +148,13 @@ pub async fn whole(
     headers: HeaderMap,
 ) -> Result<Response, Refusal> {
     let place = place(&app)?;
-    let (file, stage) = app.blocking(move |_| open(&paths, &run)).await?;
-    let length = file.metadata().map_err(|e| Refusal::internal(&e))?.len();
-    let mut told = HeaderMap::new();
-    // What there is already of a recording stays as it is.
-    let header = |text: String| HeaderValue::try_from(text).map_err(|e| Refusal::internal(&e));
-    let tag = tag(&file, stage, length)?;
-    told.insert(ETAG, tag.clone());
-    told.insert(CACHE_CONTROL, HeaderValue::from_static("no-cache"));
-    told.insert(ACCEPT_RANGES, HeaderValue::from_static("bytes"));
-    if is_known(&headers, &tag) {
-        return Ok((StatusCode::NOT_MODIFIED, told).into_response());
-    }
-    let (status, range) = match wanted(&headers, &tag, length as usize) {
-        None => (StatusCode::OK, 0..length),
-        Some(Some(range)) => {
-            let (start, end) = (range.start as u64, range.end as u64);
-            let range = format!("bytes {start}-{}/{length}", end - 1);
-            told.insert(CONTENT_RANGE, header(range)?);
-            (StatusCode::PARTIAL_CONTENT, start..end)
-        }
-        Some(None) => {
-            let detail = format!("there are {length} bytes");
-            let refusal = Refusal::new(ProblemCode::RangeNotSatisfiable, detail);
-            let range = [(CONTENT_RANGE, header(format!("bytes */{length}"))?)];
-            return Ok((range, refusal).into_response());
-        }
-    };
-    told.insert(CONTENT_TYPE, HeaderValue::from_static(MEDIA_TYPE));
-    told.insert(CONTENT_LENGTH, HeaderValue::from(range.end - range.start));
-    told.insert(
-        CONTENT_DISPOSITION,
-        header(format!("attachment; filename=\"{name}.evrec\""))?,
-    );
-    let body = streamed(move |out| {
-        let _place = place;
-        let mut file = file;
-        file.seek(SeekFrom::Start(range.start))?;
-        let mut part = file.take(range.end - range.start);
-        io::copy(&mut part, out).map(drop)
-    });
-    Ok((status, told, body).into_response())
-}
-
-/// Names what a file holds: its length and when it was written.
-fn tag(file: &File, stage: Stage, length: u64) -> Result<HeaderValue, Refusal> {
-    let written = file.metadata().and_then(|of| of.modified());
-    let written = written.map_err(|error| Refusal::internal(&error))?;
-    let written = written.duration_since(std::time::UNIX_EPOCH);
-    let nanos = written.map_or(0, |time| time.as_nanos());
-    let tag = format!("\"{stage:?}-{length}-{nanos:x}\"");
-    HeaderValue::try_from(tag).map_err(|error| Refusal::internal(&error))
+    app.blocking(move |_| {
+        // What there is already of a recording stays as it is.
+        let (file, stage) = open(&paths, &run)?;
+        let (kind, name) = (format!("{stage:?}"), format!("{name}.evrec"));
+        partial::file(file, &kind, (MEDIA_TYPE, &name), &headers, place)
+    })
+    .await
 }
 
 /// A slice of a recording.

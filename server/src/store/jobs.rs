@@ -1,7 +1,9 @@
 //! Jobs as they are shown: one, or a list, newest first, with sums over their runs.
 
 use api::{RunCounts, State};
+use rusqlite::types::ValueRef;
 use rusqlite::{Connection, OptionalExtension, Row, params};
+use sha2::{Digest, Sha256};
 
 use super::keys::{JobKey, RunKey};
 use super::state::Intent;
@@ -92,6 +94,49 @@ impl Store {
                  WHERE job = ?1 AND state = 'done'",
             )?
             .query_row([seq], |row| row.get(0).map(from_sql))?)
+    }
+
+    /// A digest of what is stored of a job's runs, which are told by it: their places, ids, labels,
+    /// states and results. `None` while one of them is under way.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn ended_runs_sha256(&self, seq: JobKey) -> Result<Option<[u8; 32]>, StoreError> {
+        let connection = self.reader();
+        let mut statement = connection.prepare_cached(
+            "SELECT state IN ('queued', 'running', 'paused'), job, ordinal, id, label, state, reason,
+                runs.results_version, result_sha256, cpu_ns_per_robot_step
+             FROM job_runs JOIN runs ON runs.seq = job_runs.run
+             LEFT JOIN results ON results.run = runs.seq
+             WHERE job = ?1 ORDER BY ordinal",
+        )?;
+        let columns = statement.column_count();
+        let mut rows = statement.query([seq])?;
+        let mut digest = Sha256::new();
+        while let Some(row) = rows.next()? {
+            if row.get(0)? {
+                return Ok(None);
+            }
+            for column in 1..columns {
+                match row.get_ref(column)? {
+                    ValueRef::Null => digest.update([0]),
+                    ValueRef::Integer(number) => {
+                        digest.update([1]);
+                        digest.update(number.to_le_bytes());
+                    }
+                    ValueRef::Real(number) => {
+                        digest.update([2]);
+                        digest.update(number.to_le_bytes());
+                    }
+                    ValueRef::Text(bytes) | ValueRef::Blob(bytes) => {
+                        digest.update([3]);
+                        digest.update((bytes.len() as u64).to_le_bytes());
+                        digest.update(bytes);
+                    }
+                }
+            }
+        }
+        Ok(Some(digest.finalize().into()))
     }
 
     /// At most `limit` jobs, newest first, older than `before` when that is given.
