@@ -50,7 +50,7 @@ fn main() -> anyhow::Result<()> {
         for robot in frame.payload() {
             writeln!(
                 out,
-                "{},{},{},{},{},{},{},{}",
+                "{},{:?},{},{:?},{:?},{:?},{:?},{:?}",
                 header.arena_step,
                 header.sim_time_s,
                 robot.number,

@@ -13,6 +13,7 @@ use swarm::metrics::{Value, over_time};
 use swarm::run::MetricsLog;
 
 use super::fractions::fractions;
+use crate::tables::Decimal;
 
 /// Metrics by name.
 pub fn metric_values<'a>(values: impl Iterator<Item = (&'a str, Option<Value>)>) -> MetricValues {
@@ -52,8 +53,9 @@ pub fn metrics_csv(log: &MetricsLog, step_s: f64) -> String {
     }
     text.push('\n');
     for row in &log.rows {
-        let time_s = row.steps as f64 * step_s;
+        let time_s = Decimal(row.steps as f64 * step_s);
         let api::Fractions { p1, p2, p5, p10 } = fractions(row.entered, log.reachable);
+        let [p1, p2, p5, p10] = [p1, p2, p5, p10].map(Decimal);
         // Writing to a string cannot fail.
         let _ = write!(
             text,
@@ -63,7 +65,7 @@ pub fn metrics_csv(log: &MetricsLog, step_s: f64) -> String {
         for (_, value) in row.values.iter() {
             let _ = match value {
                 Some(Value::Count(count)) => write!(text, ",{count}"),
-                Some(Value::Real(real)) => write!(text, ",{real}"),
+                Some(Value::Real(real)) => write!(text, ",{}", Decimal(real)),
                 None => write!(text, ","),
             };
         }
@@ -89,9 +91,10 @@ pub fn robots_csv(log: &MetricsLog) -> String {
         };
         let _ = writeln!(
             text,
-            "{number},{},{contribution},{},{},{}",
+            "{number},{},{},{},{},{}",
             robot.first_entries,
-            robot.distance_m,
+            Decimal(contribution),
+            Decimal(robot.distance_m),
             robot.memory.bytes,
             robot.memory.clusters_saturated
         );
@@ -105,6 +108,45 @@ mod tests {
     use super::*;
     use swarm::metrics::RowValues;
     use swarm::run::{RobotMemory, RobotMetrics};
+
+    /// Where nothing moved yet all is whole, and columns are of the kind that they are elsewhere.
+    #[test]
+    fn columns_are_of_one_kind_in_every_run() {
+        let row = |steps: u64, real: f64| swarm::run::MetricsRow {
+            steps,
+            epoch: 1,
+            entered: [0; 4],
+            values: RowValues::from_names(|name| match name {
+                "collisions" => Some(Value::Count(steps)),
+                _ => Some(Value::Real(real)),
+            }),
+        };
+        let robot = |first_entries, distance_m| RobotMetrics {
+            first_entries,
+            distance_m,
+            memory: RobotMemory {
+                bytes: 0,
+                clusters_saturated: 0,
+            },
+        };
+        let log = |real, rows| MetricsLog {
+            reachable: 20,
+            rows,
+            robots: vec![robot(0, real), robot(0, real)],
+            first_entry: Vec::new(),
+        };
+        let kinds = |text: &str| -> Vec<Vec<bool>> {
+            let kind = |cell: &str| cell.contains(['.', 'e']);
+            let rows = text.lines().skip(1);
+            rows.map(|row| row.split(',').map(kind).collect()).collect()
+        };
+        let whole = log(0.0, vec![row(1, 0.0), row(1000, 1.0)]);
+        let other = log(0.25, vec![row(3, 0.25), row(5, 1e-9)]);
+        for text in [metrics_csv, |log: &MetricsLog, _: f64| robots_csv(log)] {
+            let [one, other] = [&whole, &other].map(|log| kinds(&text(log, 0.001)));
+            assert_eq!(one, other);
+        }
+    }
 
     #[test]
     fn files_by_hand() {
@@ -135,7 +177,7 @@ mod tests {
             first_entry: Vec::new(),
         };
         let text = metrics_csv(&log, 0.0625);
-        let known = "200,12.5,1,0.5,0.25,0.05,0,0.5,,0.75,3,1.5";
+        let known = "200,12.5,1,0.5,0.25,0.05,0.0,0.5,,0.75,3,1.5";
         // A metric that is not known is an empty cell.
         let unknown = over_time().count() - 5;
         assert_eq!(
@@ -157,7 +199,7 @@ mod tests {
         assert_eq!(
             robots_csv(&log),
             "robot,first_entries,contribution,distance_m,learner_bytes,clusters_saturated\n\
-             0,3,0.75,1,4080,7\n1,1,0.25,0.5,4080,7\n"
+             0,3,0.75,1.0,4080,7\n1,1,0.25,0.5,4080,7\n"
         );
     }
 }

@@ -11,6 +11,8 @@ use api::{ObjectSample, ObjectTrack, ObjectTracks};
 use arenas::Arena;
 use swarm::run::{Moment, Tracks};
 
+use crate::tables::Decimal;
+
 /// The objects of an arena over time; `step_s` is the length of a control step.
 pub fn objects_json(arena: &Arena, tracks: &Tracks, step_s: f64) -> ObjectTracks {
     let track = |(number, object): (usize, &arenas::Movable)| ObjectTrack {
@@ -53,10 +55,10 @@ pub fn objects_csv(tracks: &Tracks) -> String {
                 "{},{},{number},{},{},{},{}",
                 sample.steps,
                 sample.epoch,
-                sample.x_m,
-                sample.y_m,
-                sample.heading_rad,
-                sample.moved_m
+                Decimal(sample.x_m),
+                Decimal(sample.y_m),
+                Decimal(sample.heading_rad),
+                Decimal(sample.moved_m)
             );
         }
     }

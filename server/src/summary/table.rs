@@ -6,6 +6,7 @@
 )]
 
 use super::escape::escaped;
+use crate::tables::Decimal;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
@@ -19,7 +20,7 @@ pub fn csv(summary: &JobSummary) -> String {
         "group,label,robots,measure,runs_done,n,mean,sd,median,low,high,level,method,missed,iqm,iqm_low,\
          iqm_high,iqm_method\n",
     );
-    let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
+    let number = Decimal;
     let low = |interval: &Option<Interval>| number(interval.as_ref().map(|it| it.low));
     let high = |interval: &Option<Interval>| number(interval.as_ref().map(|it| it.high));
     let method =

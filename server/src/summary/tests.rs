@@ -117,12 +117,15 @@ fn seeds_are_pooled_by_combination() {
     );
     let line = csv.lines().nth(1).unwrap();
     assert!(
-        line.starts_with("0,\"\",1,p1,2,2,15,7.0710678118654755,15,-48.5310")
+        line.starts_with("0,\"\",1,p1,2,2,15.0,7.0710678118654755,15.0,-48.5310")
             && line.contains(",78.5310")
-            && line.contains(",0.95,t,,15,"),
+            && line.contains(",0.95,t,,15.0,"),
         "{line}"
     );
-    assert!(csv.contains("t90_steps,2,1,10,,10,,,,,1,10,,,\n"), "{csv}");
+    assert!(
+        csv.contains("t90_steps,2,1,10.0,,10.0,,,,,1,10.0,,,\n"),
+        "{csv}"
+    );
     assert!(markdown(&summary).contains("3 of 3 runs done"));
 }
 

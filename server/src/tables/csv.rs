@@ -3,6 +3,7 @@
 use std::io::{self, BufWriter, Write};
 
 use super::cell::{Cell, Column, Rows};
+use super::decimal::Decimal;
 
 /// A table on its way.
 pub struct Csv<W: Write>(BufWriter<W>);
@@ -33,8 +34,7 @@ impl<W: Write> Rows for Csv<W> {
                 Cell::Nothing => {}
                 Cell::Text(bytes) => text(out, bytes)?,
                 Cell::Whole(number) => write!(out, "{number}")?,
-                // Shortest digits that read back equal, with a point or an exponent in each.
-                Cell::Real(number) => write!(out, "{number:?}")?,
+                Cell::Real(number) => write!(out, "{}", Decimal(*number))?,
                 Cell::Truth(truth) => write!(out, "{truth}")?,
             }
         }

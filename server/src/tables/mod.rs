@@ -3,11 +3,13 @@
 
 mod cell;
 mod csv;
+mod decimal;
 mod parquet;
 
 use std::io::{self, Write};
 
 pub use cell::{Cell, Column, Kind, Rows, real};
+pub use decimal::Decimal;
 
 /// How a table is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,6 +6,7 @@
 )]
 
 use crate::summary::escape::escaped;
+use crate::tables::Decimal;
 use std::fmt::Write;
 
 use api::comparison::Comparison;
@@ -19,7 +20,7 @@ pub fn csv(comparison: &Comparison) -> String {
         "measure,first,second,paired,n,missed,difference,low,high,level,method,improvement,\
          improvement_low,improvement_high,p,test,p_holm,differs,runs_needed\n",
     );
-    let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
+    let number = Decimal;
     let low = |interval: &Option<Interval>| number(interval.as_ref().map(|it| it.low));
     let high = |interval: &Option<Interval>| number(interval.as_ref().map(|it| it.high));
     for pair in &comparison.pairs {
