@@ -100,7 +100,7 @@ async fn show(
                     Ok(part) => {
                         (status, headers, range) = (part.status, part.headers, Some(part.range));
                     }
-                    Err(refused) => return Ok(refused),
+                    Err(refused) => return Ok(*refused),
                 }
             }
         }

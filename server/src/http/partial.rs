@@ -43,9 +43,9 @@ pub fn not_modified(asked: &HeaderMap, tag: &HeaderValue) -> Option<Response> {
 ///
 /// # Errors
 /// There are no such bytes.
-pub fn part(asked: &HeaderMap, tag: &HeaderValue, length: u64) -> Result<Part, Response> {
+pub fn part(asked: &HeaderMap, tag: &HeaderValue, length: u64) -> Result<Part, Box<Response>> {
     let header = |text: String| HeaderValue::try_from(text);
-    let internal = |error| Refusal::internal(&error).into_response();
+    let internal = |error| Box::new(Refusal::internal(&error).into_response());
     let mut headers = tagged(tag);
     let bytes = usize::try_from(length).unwrap_or(usize::MAX);
     let (status, range) = match wanted(asked, tag, bytes) {
@@ -60,7 +60,7 @@ pub fn part(asked: &HeaderMap, tag: &HeaderValue, length: u64) -> Result<Part, R
             let detail = format!("there are {length} bytes");
             let refusal = Refusal::new(ProblemCode::RangeNotSatisfiable, detail);
             let told = header(format!("bytes */{length}")).map_err(internal)?;
-            return Err(([(CONTENT_RANGE, told)], refusal).into_response());
+            return Err(Box::new(([(CONTENT_RANGE, told)], refusal).into_response()));
         }
     };
     headers.insert(CONTENT_LENGTH, HeaderValue::from(range.end - range.start));
@@ -98,7 +98,7 @@ pub fn file<T: Send + 'static>(
         range,
     } = match part(asked, &tag, length) {
         Ok(part) => part,
-        Err(refused) => return Ok(refused),
+        Err(refused) => return Ok(*refused),
     };
     headers.insert(CONTENT_TYPE, HeaderValue::from_static(media_type));
     let disposition = header(format!("attachment; filename=\"{name}\""))?;
