@@ -35,7 +35,7 @@ fn the_readmes_boxes_are_pushed_the_same_way_twice() {
     assert_eq!(lines.len(), 1 + 3 * (1 + 40 + 16));
     // Babbling may have moved it, which does not count.
     assert!(
-        lines[1].starts_with("0,0,0,") && lines[1].ends_with(",0"),
+        lines[1].starts_with("0,0,0,") && lines[1].ends_with(",0.0"),
         "{}",
         lines[1]
     );

@@ -10,9 +10,9 @@ use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
 use tokio::sync::Semaphore;
 
-use super::exports::Lengths;
 use super::metrics::Metrics;
 use super::refusal::Refusal;
+use super::table_lengths::Lengths;
 use crate::events::Hub;
 use crate::findings::{Assembler, views};
 use crate::recording::Maker;

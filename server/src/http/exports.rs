@@ -3,7 +3,7 @@
 
 use std::io::{self, Write};
 use std::ops::Range;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use api::ProblemCode;
@@ -11,7 +11,6 @@ use axum::extract::State;
 use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE, RANGE};
 use axum::http::{HeaderMap, HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
-use hashlink::LruCache;
 use tokio::sync::Semaphore;
 
 use super::App;
@@ -27,8 +26,6 @@ use crate::tables::Form;
 
 /// Tables that are made at a time; each holds some tens of megabytes.
 pub const AT_A_TIME: usize = 4;
-/// Tables whose lengths are known.
-const LENGTHS: usize = 256;
 /// Longest time that a table is made for its length alone.
 const COUNTING: Duration = Duration::from_secs(8);
 
@@ -166,27 +163,6 @@ impl Made {
         }
         out.flush()?;
         Ok(out.written)
-    }
-}
-
-/// How long tables are, by their tags: so that one that is fetched in parts is counted once.
-pub struct Lengths(Mutex<LruCache<HeaderValue, u64>>);
-
-impl Default for Lengths {
-    fn default() -> Self {
-        Self(Mutex::new(LruCache::new(LENGTHS)))
-    }
-}
-
-impl Lengths {
-    fn get(&self, tag: &HeaderValue) -> Option<u64> {
-        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        known.get(tag).copied()
-    }
-
-    fn put(&self, tag: &HeaderValue, bytes: u64) {
-        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        known.insert(tag.clone(), bytes);
     }
 }
 

@@ -45,6 +45,7 @@ mod routes;
 mod runs;
 mod scrape;
 mod serve;
+mod table_lengths;
 #[cfg(test)]
 mod tests;
 mod watching;
