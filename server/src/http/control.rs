@@ -128,6 +128,8 @@ impl From<ControlError> for Refusal {
     fn from(error: ControlError) -> Self {
         let detail = error.to_string();
         match error {
+            ControlError::RunGone(_) => Self::new(ProblemCode::RunNotFound, detail),
+            ControlError::JobGone(_) => Self::new(ProblemCode::JobNotFound, detail),
             ControlError::Ended(..) => Self::new(ProblemCode::AlreadyEnded, detail),
             ControlError::NotEnded(..) => Self::new(ProblemCode::NotEnded, detail),
             ControlError::Running => Self::new(ProblemCode::NotPaused, detail),
@@ -179,7 +181,11 @@ async fn priority(
 async fn document(State(app): State<App>, FoundJob(job): FoundJob) -> Result<Response, Refusal> {
     app.blocking(move |app| {
         let document = app.store.document(job.seq)?;
-        let document = document.ok_or(ControlError::NoDocument)?;
+        let Some(document) = document else {
+            // It may have been deleted meanwhile.
+            app.job(job.seq)?;
+            return Err(ControlError::NoDocument.into());
+        };
         Ok(([(CONTENT_TYPE, "application/json")], document).into_response())
     })
     .await

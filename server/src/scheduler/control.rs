@@ -48,13 +48,16 @@ impl Scheduler {
     /// Returns how many there are.
     ///
     /// # Errors
-    /// `NoDocument`, `Ended` when it is cancelled, `Invalid`, `NoRoom`, `Store`.
+    /// `JobGone`, `NoDocument`, `Ended` when it is cancelled, `Invalid`, `NoRoom`, `Store`.
     pub fn extend_job(&self, job: &JobView, more: u64) -> Result<u64, ControlError> {
         if job.intent == Intent::Cancelled {
             return Err(ControlError::Ended("job", Life::Cancelled));
         }
         let _changing = self.changing.begin(job.seq);
         let store = &self.shared.store;
+        if store.job(job.seq)?.is_none() {
+            return Err(ControlError::JobGone(job.seq));
+        }
         let text = store.document(job.seq)?.ok_or(ControlError::NoDocument)?;
         let document = crate::documents::parse(&text).map_err(ControlError::Invalid)?;
         if document.get("fork").is_some() {
@@ -81,11 +84,11 @@ impl Scheduler {
     /// It goes on from the other's end where that is kept, and is simulated anew where it is not.
     ///
     /// # Errors
-    /// `Invalid`, `NoRoom`, `Store`; `NoCheckpoint` where the other one began with a state of a
+    /// `RunGone`, `Invalid`, `NoRoom`, `Store`; `NoCheckpoint` where the other one began with a state of a
     /// third and its end is not kept.
     pub fn extend_run(&self, run: &RunView, more: u32) -> Result<JobKey, ControlError> {
         let store = &self.shared.store;
-        let spec = store.spec(run.seq)?.unwrap_or_default();
+        let spec = self.spec_text(run)?;
         let mut spec = crate::documents::parse(&spec).map_err(ControlError::Invalid)?;
         let epochs = spec.get("epochs").and_then(Value::as_u64).unwrap_or(0);
         let epochs = epochs.saturating_add(u64::from(more));
@@ -133,10 +136,12 @@ impl Scheduler {
     /// Changes the priority of a job: its waiting runs come before those of lower priority.
     ///
     /// # Errors
-    /// `Store`.
+    /// `JobGone`, `Store`.
     pub fn set_priority(&self, job: JobKey, priority: i32) -> Result<(), ControlError> {
         let _changing = self.changing.begin(job);
-        self.shared.store.set_priority(job, priority)?;
+        if !self.shared.store.set_priority(job, priority)? {
+            return Err(ControlError::JobGone(job));
+        }
         self.shared.state().queue.set_priority(job, priority);
         Ok(())
     }
@@ -144,7 +149,7 @@ impl Scheduler {
     /// Holds one run, in whatever jobs it is; holding it again is no error.
     ///
     /// # Errors
-    /// `Ended`, `Store`.
+    /// `RunGone`, `Ended`, `Store`.
     pub fn pause_run(&self, run: &RunView) -> Result<(), ControlError> {
         let held = self.shared.store.hold(run.seq, "paused")?;
         match held {
@@ -157,7 +162,7 @@ impl Scheduler {
     /// Lets one run go on that was held; letting it again is no error.
     ///
     /// # Errors
-    /// `Ended`, `NotWanted`, `Store`.
+    /// `RunGone`, `Ended`, `NotWanted`, `Store`.
     pub fn resume_run(&self, run: &RunView) -> Result<(), ControlError> {
         self.expect(run, &[Life::Paused, Life::Queued, Life::Running])?;
         self.release(run, None, "resumed")
@@ -167,7 +172,7 @@ impl Scheduler {
     /// one that has begun is the first.
     ///
     /// # Errors
-    /// `Running` when it was not held before, `Ended`, `NotWanted`, `Invalid`, `Store`.
+    /// `RunGone`, `Running` when it was not held before, `Ended`, `NotWanted`, `Invalid`, `Store`.
     pub fn step_run(&self, run: &RunView, epochs: u32) -> Result<(), ControlError> {
         if run.state.state() == Life::Running {
             return Err(ControlError::Running);
@@ -178,10 +183,10 @@ impl Scheduler {
             return Err(ControlError::Running);
         }
         let store = &self.shared.store;
-        let text = store.spec(run.seq)?.unwrap_or_default();
+        let text = self.spec_text(run)?;
         let spec = attempt::stored_spec(store, &text).map_err(ControlError::Invalid)?;
         let spec = spec.run_spec();
-        let robot_steps = store.robot_steps_done(run.seq)?;
+        let robot_steps = store.robot_steps_done(run.seq)?.ok_or_else(|| gone(run))?;
         let (robots, steps) = (u64::from(spec.robots), u64::from(spec.steps_per_epoch));
         let begun = robot_steps / robots.max(1) / steps.max(1);
         let until = (begun + u64::from(epochs)).saturating_mul(steps);
@@ -191,7 +196,7 @@ impl Scheduler {
     /// Makes a failed or cancelled run wait again, from its beginning.
     ///
     /// # Errors
-    /// `Ended` when it is done, `NotEnded`, `NotWanted`, `Store`.
+    /// `RunGone`, `Ended` when it is done, `NotEnded`, `NotWanted`, `Store`.
     pub fn retry_run(&self, run: &RunView) -> Result<(), ControlError> {
         match run.state.state() {
             state @ Life::Done => return Err(ControlError::Ended("run", state)),
@@ -199,6 +204,7 @@ impl Scheduler {
             _ => {}
         }
         if !self.shared.store.retry_run(run.seq)? {
+            self.state_of(run)?;
             return Err(ControlError::NotWanted(Life::Cancelled));
         }
         self.requeue_jobs_of(run.seq)
@@ -214,14 +220,14 @@ impl Scheduler {
         Ok(())
     }
 
-    fn release(
+    pub(super) fn release(
         &self,
         run: &RunView,
         pause_at_step: Option<u64>,
         why: &str,
     ) -> Result<(), ControlError> {
-        let store = &self.shared.store;
-        if !store.release(run.seq, pause_at_step, why)? {
+        let waits = self.shared.store.release(run.seq, pause_at_step, why)?;
+        if !waits.ok_or_else(|| gone(run))? {
             // It runs already, unless its jobs hold it.
             return match self.state_of(run)? {
                 Life::Running => Ok(()),
@@ -263,8 +269,19 @@ impl Scheduler {
 
     fn state_of(&self, run: &RunView) -> Result<Life, ControlError> {
         let now = self.shared.store.run(&run.id)?;
-        Ok(now.map_or(Life::Cancelled, |run| run.state.state()))
+        Ok(now.ok_or_else(|| gone(run))?.state.state())
     }
+
+    /// The resolved spec of a run, as JSON.
+    pub(super) fn spec_text(&self, run: &RunView) -> Result<String, ControlError> {
+        let text = self.shared.store.spec(run.seq)?;
+        text.ok_or_else(|| gone(run))
+    }
+}
+
+/// It was there when it was asked for.
+pub(super) fn gone(run: &RunView) -> ControlError {
+    ControlError::RunGone(run.id.clone())
 }
 
 impl super::Shared {

@@ -2,11 +2,17 @@
 
 use api::State as Life;
 
-use crate::store::{CheckpointError, CreateJobError, StoreError};
+use crate::store::{CheckpointError, CreateJobError, JobKey, StoreError};
 
 /// Why something is not done.
 #[derive(Debug, thiserror::Error)]
 pub enum ControlError {
+    /// The run was deleted meanwhile.
+    #[error("there is no run {0:?}")]
+    RunGone(String),
+    /// The job was deleted meanwhile.
+    #[error("there is no job \"{0}\"")]
+    JobGone(JobKey),
     /// It has ended, so that nothing is left to do so with.
     #[error("the {0} is {1} already")]
     Ended(&'static str, Life),

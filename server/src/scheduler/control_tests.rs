@@ -25,7 +25,7 @@ fn life(store: &Store, run: &RunView) -> Life {
 }
 
 fn robot_steps(store: &Store, run: &RunView) -> u64 {
-    store.robot_steps_done(run.seq).unwrap()
+    store.robot_steps_done(run.seq).unwrap().unwrap()
 }
 
 #[test]
@@ -283,4 +283,52 @@ fn no_job_is_stored_whose_recordings_would_not_fit_however_many_ask_at_once() {
     };
     assert_eq!(errors[0].pointer, "/base/record");
     assert_eq!(store.job(seq).unwrap().unwrap().counts.total, 2);
+}
+
+/// A run or a job that was deleted after the request had found it is unknown, whatever is asked.
+#[test]
+fn what_was_deleted_meanwhile_is_told_as_unknown() {
+    let dir = tempfile::tempdir().unwrap();
+    let (store, scheduler) = start(dir.path(), 1);
+    let (job, run) = begun(&store, &scheduler);
+    scheduler.pause_run(&run).unwrap();
+    wait_for("the worker", || scheduler.view(run.seq).is_none());
+    let paused = store.run(&run.id).unwrap().unwrap();
+    scheduler.cancel_run(run.seq).unwrap();
+    let cancelled = store.run(&run.id).unwrap().unwrap();
+    scheduler.delete_run(run.seq).unwrap();
+    let fork = api::Fork {
+        epoch: None,
+        changes: Default::default(),
+    };
+    for (what, refused) in [
+        ("pause", scheduler.pause_run(&paused)),
+        ("resume", scheduler.resume_run(&paused)),
+        // Deleted between the look at its state and the change.
+        ("release", scheduler.release(&paused, None, "resumed")),
+        ("step", scheduler.step_run(&paused, 1)),
+        ("retry", scheduler.retry_run(&cancelled)),
+        ("extend", scheduler.extend_run(&paused, 1).map(drop)),
+        ("fork", scheduler.fork_run(&paused, &fork).map(drop)),
+        ("checkpoint", scheduler.take_checkpoint(&paused).map(drop)),
+    ] {
+        assert!(
+            matches!(&refused, Err(ControlError::RunGone(id)) if *id == run.id),
+            "{what}: {refused:?}"
+        );
+    }
+    assert_eq!(store.release(run.seq, None, "resumed").unwrap(), None);
+    assert_eq!(store.robot_steps_done(run.seq).unwrap(), None);
+
+    let view = store.job(job).unwrap().unwrap();
+    scheduler.delete(job).unwrap();
+    for refused in [
+        scheduler.extend_job(&view, 1).map(drop),
+        scheduler.set_priority(job, 3),
+    ] {
+        assert!(
+            matches!(refused, Err(ControlError::JobGone(gone)) if gone == job),
+            "{refused:?}"
+        );
+    }
 }

@@ -86,7 +86,7 @@ pub fn look_out(workers: &impl Workers) {
 
 fn go_on(workers: &impl Workers, run: RunKey) -> Result<(), StoreError> {
     let store = workers.store();
-    if store.release(run, None, "its controllers are there")? {
+    if store.release(run, None, "its controllers are there")? == Some(true) {
         for job in store.jobs_of(run)? {
             workers.queue(job, run);
         }

@@ -12,6 +12,7 @@ use swarm::run::{CHANGEABLE, RestoreError, Run};
 use super::Scheduler;
 use super::arenas::StoredArenas;
 use super::attempt::{checkpoint_of, stored_spec};
+use super::control::gone;
 use super::control_error::ControlError;
 use super::live::findings_of;
 use crate::documents::{Design, ExpandedJob, ResolvedRun, parse, resolve};
@@ -180,7 +181,7 @@ impl Scheduler {
     /// The spec of a run with what is changed, as a document and checked.
     fn changed(&self, run: &RunView, fork: &Fork) -> Result<(Value, ResolvedRun), ControlError> {
         let store = &self.shared.store;
-        let text = store.spec(run.seq)?.unwrap_or_default();
+        let text = self.spec_text(run)?;
         let mut spec = parse(&text).map_err(ControlError::Invalid)?;
         let mut errors = Vec::new();
         for (path, value) in &fork.changes {
@@ -211,7 +212,7 @@ impl Scheduler {
 
     fn resolved(&self, run: &RunView) -> Result<ResolvedRun, ControlError> {
         let store = &self.shared.store;
-        let text = store.spec(run.seq)?.unwrap_or_default();
+        let text = self.spec_text(run)?;
         stored_spec(store, &text).map_err(ControlError::Invalid)
     }
 
@@ -249,7 +250,7 @@ impl Scheduler {
             return Ok(checkpoint);
         }
         let now = store.run(&run.id)?;
-        let state = now.map_or(Life::Cancelled, |run| run.state.state());
+        let state = now.ok_or_else(|| gone(run))?.state.state();
         // A fork that has not begun stands where it begins.
         match state {
             Life::Queued | Life::Paused | Life::Running => {
@@ -282,4 +283,6 @@ fn unusable(why: &dyn std::fmt::Display) -> ControlError {
 }
 
 fn hex(bytes: &[u8]) -> String {
-    let digest = Sha256::digest(bytes)
+    let digest = Sha256::digest(bytes);
+    digest.iter().map(|byte| format!("{byte:02x}")).collect()
+}

@@ -6,7 +6,7 @@ use rusqlite::{Connection, OpenFlags};
 use sha2::{Digest, Sha256};
 
 use super::formats::Blobs;
-use super::{Checkpoints, StoreError, look, migrations};
+use super::{Checkpoints, StoreError, look, migrations, shown_text};
 
 /// What was looked at, and what is wrong with it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -24,11 +24,15 @@ pub struct Checked {
 /// # Errors
 /// When there is none, or it cannot be read.
 pub fn check(dir: &Path) -> Result<Checked, StoreError> {
+    // A directory that is no store is told as such; nothing is made in it.
     let path = dir.join(super::DATABASE);
-    std::fs::metadata(&path).map_err(StoreError::io(&path))?;
+    if let Err(error) = std::fs::metadata(&path) {
+        look::at_file(dir)?;
+        return Err(StoreError::io(&path)(error));
+    }
     let checkpoints = Checkpoints::open(&dir.join(super::CHECKPOINTS))?;
     let mut checked = Checked::default();
-    if let Err(error) = database(&path, &checkpoints, &mut checked) {
+    if let Err(error) = database(dir, &mut checked) {
         checked.faults.push(error.to_string());
     }
     let origins = dir.join(super::ORIGINS);
@@ -47,13 +51,10 @@ pub fn check(dir: &Path) -> Result<Checked, StoreError> {
     Ok(checked)
 }
 
-fn database(
-    path: &Path,
-    checkpoints: &Checkpoints,
-    checked: &mut Checked,
-) -> Result<(), StoreError> {
-    look::at_file(path, checkpoints)?;
-    let connection = Connection::open_with_flags(path, OpenFlags::SQLITE_OPEN_READ_ONLY)?;
+fn database(dir: &Path, checked: &mut Checked) -> Result<(), StoreError> {
+    look::at_file(dir)?;
+    let connection =
+        Connection::open_with_flags(dir.join(super::DATABASE), OpenFlags::SQLITE_OPEN_READ_ONLY)?;
     let lines = |sql: &str| -> rusqlite::Result<Vec<String>> {
         connection
             .prepare(sql)?
@@ -80,6 +81,8 @@ fn database(
          WHERE state = 'done' AND NOT EXISTS (SELECT 1 FROM results WHERE run = runs.seq)",
     )?);
     checked.faults.extend(lines(TOTALS)?);
+    checked.faults.extend(lines(VALUES)?);
+    checked.faults.extend(not_utf8(&connection)?);
     results(&connection, checked)
 }
 
@@ -95,6 +98,40 @@ const TOTALS: &str = "WITH counted AS (
         SELECT job, state FROM (SELECT * FROM counted EXCEPT SELECT * FROM kept)
         UNION SELECT job, state FROM (SELECT * FROM kept EXCEPT SELECT * FROM counted))";
 
+/// Values that are not what they should be. `CASE`, as `json_type` fails where there is no JSON.
+const VALUES: &str =
+    "SELECT 'the spec of the run with key ' || seq || ' is no JSON object' FROM runs
+        WHERE CASE WHEN json_valid(spec) THEN json_type(spec) <> 'object' ELSE TRUE END
+    UNION ALL SELECT 'the document of job ' || seq || ' is no JSON object' FROM jobs
+        WHERE document IS NOT NULL
+            AND CASE WHEN json_valid(document) THEN json_type(document) <> 'object' ELSE TRUE END
+    UNION ALL SELECT 'the design of job ' || seq || ' is no JSON' FROM jobs
+        WHERE coalesce(design, '') <> '' AND NOT json_valid(design)
+    UNION ALL SELECT 'the priority of job ' || seq || ' is out of range: ' || priority FROM jobs
+        WHERE priority NOT BETWEEN -2147483648 AND 2147483647";
+
+/// Names and ids that are not UTF-8, by the keys of their rows.
+fn not_utf8(connection: &Connection) -> rusqlite::Result<Vec<String>> {
+    let mut faults = Vec::new();
+    for (what, sql) in [
+        ("name of job", "SELECT seq, name FROM jobs ORDER BY seq"),
+        (
+            "id of the run with key",
+            "SELECT seq, id FROM runs ORDER BY seq",
+        ),
+    ] {
+        let mut statement = connection.prepare(sql)?;
+        let mut rows = statement.query([])?;
+        while let Some(row) = rows.next()? {
+            if row.get_ref(1)?.as_str().is_err() {
+                let seq: i64 = row.get(0)?;
+                faults.push(format!("the {what} {seq} is not UTF-8"));
+            }
+        }
+    }
+    Ok(faults)
+}
+
 fn results(connection: &Connection, checked: &mut Checked) -> Result<(), StoreError> {
     let mut statement = connection.prepare(
         "SELECT id, result, result_sha256, coverage, metrics, objects
@@ -103,7 +140,7 @@ fn results(connection: &Connection, checked: &mut Checked) -> Result<(), StoreEr
     let mut rows = statement.query([])?;
     while let Some(row) = rows.next()? {
         checked.results += 1;
-        let id: String = row.get(0)?;
+        let id = shown_text(row, "id")?;
         let digest: Option<Vec<u8>> = row.get(2)?;
         let is_whole = row
             .get::<_, String>(1)

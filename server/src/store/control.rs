@@ -10,7 +10,7 @@ use super::creation::{CreateJobError, NewJob, NewRun, add_runs, check_room};
 use super::keys::{JobKey, RunKey};
 use super::log::log;
 use super::runs::StoppedRun;
-use super::{Store, StoreError, from_sql, to_sql};
+use super::{Store, StoreError, from_sql, nearest_i32, to_sql};
 
 /// What was changed of a run, and when.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -84,7 +84,7 @@ impl Store {
     }
 
     /// Holds a run no more, so that it does what its jobs want; it is held again at a step of its
-    /// arena where one is given. Returns whether it waits now.
+    /// arena where one is given. Returns whether it waits now; `None` when there is no such run.
     ///
     /// # Errors
     /// When the database fails; nothing is changed then.
@@ -93,7 +93,7 @@ impl Store {
         run: RunKey,
         pause_at_step: Option<u64>,
         why: &str,
-    ) -> Result<bool, StoreError> {
+    ) -> Result<Option<bool>, StoreError> {
         let mut connection = self.connection();
         let transaction = connection.transaction()?;
         transaction
@@ -109,12 +109,11 @@ impl Store {
                     WHERE run = ?1 AND intent = 'active')",
             )?
             .execute([run])?;
-        let waits: bool = transaction.query_row(
-            "SELECT state = 'queued' FROM runs WHERE seq = ?1",
-            [run],
-            |row| row.get(0),
-        )?;
-        if waits {
+        let waits: Option<bool> = transaction
+            .prepare_cached("SELECT state = 'queued' FROM runs WHERE seq = ?1")?
+            .query_row([run], |row| row.get(0))
+            .optional()?;
+        if waits == Some(true) {
             log(&transaction, run, why)?;
             transaction.commit()?;
         }
@@ -180,16 +179,16 @@ impl Store {
             .exists([run])?)
     }
 
-    /// Robot-steps that a run had done when it was last let go of.
+    /// Robot-steps that a run had done when it was last let go of; `None` when there is no such run.
     ///
     /// # Errors
-    /// When the database fails or there is no such run.
-    pub fn robot_steps_done(&self, run: RunKey) -> Result<u64, StoreError> {
-        Ok(from_sql(self.reader().query_row(
-            "SELECT robot_steps_done FROM runs WHERE seq = ?1",
-            [run],
-            |row| row.get(0),
-        )?))
+    /// When the database fails.
+    pub fn robot_steps_done(&self, run: RunKey) -> Result<Option<u64>, StoreError> {
+        Ok(self
+            .reader()
+            .prepare_cached("SELECT robot_steps_done FROM runs WHERE seq = ?1")?
+            .query_row([run], |row| row.get(0).map(from_sql))
+            .optional()?)
     }
 
     /// The jobs that have a run, oldest first.
@@ -240,7 +239,7 @@ impl Store {
         Ok(self
             .connection()
             .prepare_cached("SELECT seq, priority FROM jobs WHERE priority <> 0")?
-            .query_map([], |row| Ok((row.get(0)?, row.get(1)?)))?
+            .query_map([], |row| Ok((row.get(0)?, nearest_i32(row, "priority")?)))?
             .collect::<Result<_, _>>()?)
     }
 

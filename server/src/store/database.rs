@@ -22,7 +22,7 @@ pub(super) const CHECKPOINTS: &str = "checkpoints";
 /// The folder of the states that runs go on from which do not start at their beginning.
 pub(super) const ORIGINS: &str = "origins";
 /// The folder of the last states of runs that are done.
-const FINALS: &str = "finals";
+pub(super) const FINALS: &str = "finals";
 /// The folder of recordings.
 pub(super) const RECORDINGS: &str = "recordings";
 
@@ -58,9 +58,8 @@ impl Store {
     pub fn open(dir: &Path) -> Result<Self, StoreError> {
         private::make_directory(dir)?;
         let lock = lock::acquire(dir)?;
-        let checkpoints = Checkpoints::open(&dir.join(CHECKPOINTS))?;
         let path = dir.join(DATABASE);
-        look::at_file(&path, &checkpoints)?;
+        look::at_file(dir)?;
         private::open_file(&path)?;
         let mut connection = Connection::open(&path)?;
         connection.pragma_update(None, "journal_mode", "WAL")?;
@@ -75,7 +74,7 @@ impl Store {
             connection: Mutex::new(connection),
             waiting_writers: AtomicU64::new(0),
             reserved_runs: AtomicU64::new(0),
-            checkpoints,
+            checkpoints: Checkpoints::open(&dir.join(CHECKPOINTS))?,
             origins: Checkpoints::open(&dir.join(ORIGINS))?,
             finals: Finals::open(&dir.join(FINALS))?,
             recordings: Recordings::open(&dir.join(RECORDINGS))?,

@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 
 use super::keys::{JobKey, RunKey};
 use super::state::Intent;
-use super::{Store, StoreError, from_sql};
+use super::{Store, StoreError, from_sql, nearest_i32, shown_text};
 
 /// A job as stored, with sums over its runs.
 #[derive(Clone, Debug, PartialEq)]
@@ -162,11 +162,11 @@ pub(super) type Head = (JobKey, String, String, String, i32);
 
 pub(super) fn head(row: &Row<'_>) -> rusqlite::Result<Head> {
     Ok((
-        row.get(0)?,
-        row.get(1)?,
-        row.get(2)?,
-        row.get(3)?,
-        row.get(4)?,
+        row.get("seq")?,
+        shown_text(row, "name")?,
+        row.get("intent")?,
+        row.get("created_at")?,
+        nearest_i32(row, "priority")?,
     ))
 }
 

@@ -7,16 +7,19 @@ use std::path::Path;
 
 use rusqlite::Connection;
 
-use super::{Checkpoints, StoreError};
+use super::database::{CHECKPOINTS, DATABASE, FINALS, ORIGINS, RECORDINGS};
+use super::{Checkpoints, Recordings, StoreError};
 
 /// Largest database that is looked through from beginning to end, bytes.
 const MOST_READ_BYTES: u64 = 64 << 20;
 
-/// Looks at the file, which may be missing.
+/// Looks at the database's file in a data directory; it may be missing where nothing else of a
+/// store is there.
 ///
 /// # Errors
 /// `Suspicious` when it is not what this program left.
-pub fn at_file(path: &Path, checkpoints: &Checkpoints) -> Result<(), StoreError> {
+pub fn at_file(dir: &Path) -> Result<(), StoreError> {
+    let path = &dir.join(DATABASE);
     let suspicious = |why: String| StoreError::Suspicious {
         path: path.to_owned(),
         why,
@@ -36,12 +39,11 @@ pub fn at_file(path: &Path, checkpoints: &Checkpoints) -> Result<(), StoreError>
         Err(error) => return Err(StoreError::io(path)(error)),
     };
     if length == 0 {
-        return match checkpoints.runs()?.len() {
-            0 => Ok(()),
-            _ if has_log => Ok(()),
-            runs => Err(suspicious(format!(
-                "it is empty or missing, while {runs} runs have checkpoints beside it"
+        return match left_beside(dir)? {
+            Some(left) if !has_log => Err(suspicious(format!(
+                "it is empty or missing, while {left} beside it"
             ))),
+            _ => Ok(()),
         };
     }
     if !head.starts_with(b"SQLite format 3\0") || head.len() < 100 {
@@ -58,6 +60,30 @@ pub fn at_file(path: &Path, checkpoints: &Checkpoints) -> Result<(), StoreError>
         return Err(suspicious(format!("it has {cut} of its {whole} bytes")));
     }
     Ok(())
+}
+
+/// What else of a store there is, in words; `None` where there is nothing.
+fn left_beside(dir: &Path) -> Result<Option<String>, StoreError> {
+    for (folder, what) in [
+        (CHECKPOINTS, "checkpoints"),
+        (ORIGINS, "states to begin with"),
+        (FINALS, "last states"),
+    ] {
+        let folder = dir.join(folder);
+        let runs = match folder.is_dir() {
+            true => Checkpoints::open(&folder)?.runs()?.len(),
+            false => 0,
+        };
+        if runs > 0 {
+            return Ok(Some(format!("{runs} runs have {what}")));
+        }
+    }
+    let recordings = dir.join(RECORDINGS);
+    let runs = match recordings.is_dir() {
+        true => Recordings::open(&recordings)?.runs().len(),
+        false => 0,
+    };
+    Ok((runs > 0).then(|| format!("{runs} runs have recordings")))
 }
 
 /// Looks through an open database, unless it is large.

@@ -52,7 +52,7 @@ pub use recordings::Recordings;
 pub use results::{Finished, Last};
 pub use retention::EndedJob;
 pub use runs::{ClaimedRun, RunView, StoppedRun};
-use sql::{from_sql, to_sql};
+use sql::{from_sql, nearest_i32, shown_text, to_sql};
 pub use state::{Intent, Position, RunState};
 
 #[cfg(test)]

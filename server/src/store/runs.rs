@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 use super::keys::{JobKey, RunKey};
 use super::log::log;
 use super::state::{Position, RunState};
-use super::{Store, StoreError, from_sql, to_sql};
+use super::{Store, StoreError, from_sql, shown_text, to_sql};
 
 /// A run that a worker may now step.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -350,7 +350,7 @@ impl Store {
 /// says so.
 pub(super) fn view(row: &Row<'_>) -> Result<RunView, StoreError> {
     view_whole(row).or_else(|error| {
-        let id: String = row.get("id")?;
+        let id = shown_text(row, "id")?;
         tracing::error!(run = id, %error, "a run cannot be read");
         Ok(RunView {
             waits: None,

@@ -252,6 +252,94 @@ fn a_database_that_was_cut_emptied_or_replaced_is_refused_and_checkpoints_stay()
 }
 
 #[test]
+fn a_row_that_cannot_be_read_takes_no_list_and_check_tells_of_it() {
+    for (change, told) in [
+        (
+            "UPDATE jobs SET name = CAST(x'ff41' AS TEXT)",
+            "the name of job 1 is not UTF-8",
+        ),
+        (
+            "UPDATE runs SET id = CAST(x'ff' AS TEXT) WHERE seq = 1",
+            "the id of the run with key 1 is not UTF-8",
+        ),
+        (
+            "UPDATE runs SET spec = '{' WHERE seq = 2",
+            "the spec of the run with key 2 is no JSON object",
+        ),
+        (
+            "UPDATE runs SET spec = '[]' WHERE seq = 2",
+            "the spec of the run with key 2 is no JSON object",
+        ),
+        (
+            "UPDATE jobs SET document = '{'",
+            "the document of job 1 is no JSON object",
+        ),
+        (
+            "UPDATE jobs SET design = '{'",
+            "the design of job 1 is no JSON",
+        ),
+        (
+            "UPDATE jobs SET priority = 9223372036854775807",
+            "the priority of job 1 is out of range: 9223372036854775807",
+        ),
+    ] {
+        let (dir, store) = tampered(change);
+        assert_eq!(store.jobs(None, 10).unwrap().len(), 1, "{change}");
+        let page = store.list_jobs(&JobFilter::default(), None, 10).unwrap();
+        assert_eq!(page.items.len(), 1, "{change}");
+        let page = store.list_runs(&RunFilter::default(), None, 10).unwrap();
+        assert_eq!(page.items.len(), 2, "{change}");
+        assert_eq!(store.all_runs(JobKey(1)).unwrap().len(), 2, "{change}");
+        assert!(store.priorities().is_ok(), "{change}");
+        let faults = check(dir.path()).unwrap().faults;
+        assert!(
+            faults.iter().any(|fault| fault == told),
+            "{change}: {faults:?}"
+        );
+    }
+}
+
+/// Also where every run is done, so that no checkpoint is left.
+#[test]
+fn an_empty_or_missing_database_beside_anything_of_a_store_is_refused() {
+    for left in [
+        "checkpoints/a.checkpoint",
+        "origins/a.checkpoint",
+        "finals/a.checkpoint",
+        "recordings/a/live.evrec",
+    ] {
+        let dir = tempfile::tempdir().unwrap();
+        drop(open(dir.path()));
+        let database = dir.path().join(DATABASE);
+        std::fs::write(&database, b"").unwrap();
+        // Nothing else of a store is there.
+        drop(open(dir.path()));
+        let left = dir.path().join(left);
+        std::fs::create_dir_all(left.parent().unwrap()).unwrap();
+        std::fs::write(&left, b"1").unwrap();
+        std::fs::write(&database, b"").unwrap();
+        for is_missing in [false, true] {
+            if is_missing {
+                std::fs::remove_file(&database).unwrap();
+            }
+            let error = Store::open(dir.path()).err().unwrap();
+            assert!(
+                matches!(error, StoreError::Suspicious { .. }),
+                "{}: {error}",
+                left.display()
+            );
+            assert!(left.exists());
+            let told = match check(dir.path()) {
+                Ok(checked) => checked.faults.concat(),
+                Err(error) => error.to_string(),
+            };
+            assert!(told.contains("empty or missing"), "{told}");
+            assert!(!told.contains("version"), "{told}");
+        }
+    }
+}
+
+#[test]
 fn a_full_disk_is_told_apart() {
     let dir = tempfile::tempdir().unwrap();
     let store = open(dir.path());
@@ -629,6 +717,81 @@ fn check_finds_every_damage_and_a_backup_is_whole() {
     drop(store);
     std::fs::write(data.join(DATABASE), b"").unwrap();
     assert!(!check(&data).unwrap().faults.is_empty());
+}
+
+#[test]
+fn a_backup_has_recordings_and_last_states_for_its_owner_alone() {
+    use std::os::unix::fs::PermissionsExt;
+    let dir = tempfile::tempdir().unwrap();
+    let (data, copy) = (dir.path().join("data"), dir.path().join("copy"));
+    let store = open(&data);
+    create(&store, &["a"]);
+    let checkpoint = Checkpoint {
+        findings: finished().findings,
+        snapshot: vec![1, 2, 3],
+    };
+    store.origins().write("a", &checkpoint).unwrap();
+    Checkpoints::open(&data.join("finals"))
+        .unwrap()
+        .write("a", &checkpoint)
+        .unwrap();
+    store.recordings().make("a").unwrap();
+    let recording = store.recordings().of("a");
+    for name in ["live.evrec", "1.json", "1.evrec.part"] {
+        std::fs::write(recording.join(name), name).unwrap();
+    }
+    // Still being written.
+    std::fs::write(recording.join(".tmp1"), "").unwrap();
+    backup(&data, &copy).unwrap();
+    let names = |path: &Path| {
+        let entries = std::fs::read_dir(path).unwrap();
+        let mut names: Vec<String> = entries
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    };
+    let copied = copy.join("recordings/a");
+    assert_eq!(names(&copied), ["1.evrec.part", "1.json", "live.evrec"]);
+    assert_eq!(
+        std::fs::read(copied.join("live.evrec")).unwrap(),
+        b"live.evrec"
+    );
+    let mode = |path: &Path| path.metadata().unwrap().permissions().mode() & 0o777;
+    let mut folders = vec![copy.clone()];
+    while let Some(folder) = folders.pop() {
+        assert_eq!(mode(&folder), 0o700, "{}", folder.display());
+        for name in names(&folder) {
+            let path = folder.join(name);
+            match path.is_dir() {
+                true => folders.push(path),
+                false => assert_eq!(mode(&path), 0o600, "{}", path.display()),
+            }
+        }
+    }
+    let restored = open(&copy);
+    let last = restored.finals().read("a").unwrap();
+    assert_eq!(last.as_ref(), Some(&checkpoint));
+    assert_eq!(restored.origins().read("a").unwrap(), Some(checkpoint));
+}
+
+#[test]
+fn a_backup_inside_the_data_directory_is_refused() {
+    let dir = tempfile::tempdir().unwrap();
+    let data = dir.path().join("data");
+    drop(open(&data));
+    let before = std::fs::read_dir(&data).unwrap().count();
+    for to in [
+        "data",
+        "data/copy",
+        "data/new/copy",
+        "other/../data/copy",
+        "data/finals/copy",
+    ] {
+        let error = backup(&data, &dir.path().join(to)).unwrap_err().to_string();
+        assert!(error.contains("inside the data directory"), "{to}: {error}");
+        assert_eq!(std::fs::read_dir(&data).unwrap().count(), before, "{to}");
+    }
 }
 
 #[test]
