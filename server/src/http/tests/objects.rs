@@ -61,7 +61,7 @@ async fn objects_over_time_agree_with_the_result() {
         for (number, track) in told.objects.iter().enumerate() {
             let s = track.samples[place];
             let expected = format!(
-                "{},{},{number},{},{},{},{}",
+                "{},{},{number},{:?},{:?},{:?},{:?}",
                 s.steps, s.epoch, s.x_m, s.y_m, s.heading_rad, s.moved_m
             );
             assert_eq!(lines.next(), Some(expected.as_str()));
