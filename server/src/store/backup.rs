@@ -7,7 +7,7 @@ use std::path::Path;
 
 use rusqlite::{Connection, OpenFlags};
 
-use super::database::{CHECKPOINTS, FINALS, ORIGINS, RECORDINGS};
+use super::names::{CHECKPOINTS, FINALS, ORIGINS, RECORDINGS};
 use super::{Checkpoints, Recordings, StoreError, private};
 
 /// Looks at the files of a run's recordings: one that is renamed during the first is found by the

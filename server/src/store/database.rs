@@ -11,20 +11,10 @@ use rusqlite::Connection;
 use super::checkpoints::Checkpoints;
 use super::error::StoreError;
 use super::finals::Finals;
+use super::names::{CHECKPOINTS, DATABASE, FINALS, ORIGINS, RECORDINGS};
 use super::readers::{Reader, Readers, set_up};
 use super::recordings::Recordings;
 use super::{lock, look, migrations, private};
-
-/// The database's file in a data directory.
-pub(super) const DATABASE: &str = "evswarm.sqlite3";
-/// The folder of checkpoints.
-pub(super) const CHECKPOINTS: &str = "checkpoints";
-/// The folder of the states that runs go on from which do not start at their beginning.
-pub(super) const ORIGINS: &str = "origins";
-/// The folder of the last states of runs that are done.
-pub(super) const FINALS: &str = "finals";
-/// The folder of recordings.
-pub(super) const RECORDINGS: &str = "recordings";
 
 /// Room below which the store is not ready for more, bytes.
 const LEAST_ROOM_BYTES: u64 = 16 << 20;

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use rusqlite::Connection;
 
-use super::database::{CHECKPOINTS, DATABASE, FINALS, ORIGINS, RECORDINGS};
+use super::names::{CHECKPOINTS, DATABASE, FINALS, ORIGINS, RECORDINGS};
 use super::{Checkpoints, Recordings, StoreError};
 
 /// Largest database that is looked through from beginning to end, bytes.
