@@ -180,10 +180,7 @@ impl ResolvedRun {
         let mut hash = Sha256::new();
         hash.update(self.common.digest);
         hash.update(self.seed.to_le_bytes());
-        hash.finalize()
-            .iter()
-            .map(|byte| format!("{byte:02x}"))
-            .collect()
+        hex::encode(hash.finalize())
     }
 }
 

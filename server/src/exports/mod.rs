@@ -109,10 +109,7 @@ pub fn tag(
     let Some(digest) = store.ended_runs_sha256(job.seq)? else {
         return Ok(None);
     };
-    let digits: String = digest[..16]
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect();
+    let digits = hex::encode(&digest[..16]);
     let version = env!("CARGO_PKG_VERSION");
     let (name, suffix) = (table.name(), form.suffix());
     Ok(Some(format!("{version}-{digits}-{name}.{suffix}")))

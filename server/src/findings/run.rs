@@ -46,7 +46,7 @@ impl Assembler {
         let Some(moment) = moment(run, live.as_deref()) else {
             let body = make()?;
             let digest = Sha256::digest(&body);
-            let tag: String = digest[..16].iter().map(|b| format!("{b:02x}")).collect();
+            let tag = hex::encode(&digest[..16]);
             let body = Some(body).filter(|_| !is_known(&tag));
             return Ok(FileAnswer { tag, body });
         };

@@ -91,10 +91,7 @@ pub fn line(name: &str, right: Right, secret: &str) -> String {
         Right::Read => "read",
         Right::Write => "write",
     };
-    let digits: String = digest(secret)
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect();
+    let digits = hex::encode(digest(secret));
     format!("{name} {right} sha256:{digits}")
 }
 

@@ -77,10 +77,7 @@ pub async fn conditional(request: Request, next: Next) -> Response {
 /// The tag of these bytes.
 pub fn tag_of(body: &[u8]) -> HeaderValue {
     let digest = Sha256::digest(body);
-    let digits: String = digest[..16]
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect();
+    let digits = hex::encode(&digest[..16]);
     // Hexadecimal digits in quotes: a header can hold them.
     HeaderValue::try_from(format!("\"{digits}\"")).unwrap_or(HeaderValue::from_static("\"\""))
 }

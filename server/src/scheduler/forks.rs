@@ -34,7 +34,7 @@ impl Scheduler {
         let checkpoint = self.newest_checkpoint(run)?;
         Ok(CheckpointInfo {
             run: run.id.clone(),
-            checkpoint_sha256: hex(&checkpoint.snapshot),
+            checkpoint_sha256: sha256(&checkpoint.snapshot),
             bytes: checkpoint.snapshot.len() as u64,
             epochs_done: checkpoint.findings.curve.len() as u32,
         })
@@ -134,12 +134,12 @@ impl Scheduler {
         let store = &self.shared.store;
         let origin = RunOrigin {
             run: from.id.clone(),
-            checkpoint_sha256: hex(&checkpoint.snapshot),
+            checkpoint_sha256: sha256(&checkpoint.snapshot),
             epochs_done: begun.curve().len() as u32,
             robot_steps_done: begun.progress().robot_steps_done,
             uploaded,
         };
-        let id = hex(format!("{} from {}", resolved.key(), origin.checkpoint_sha256).as_bytes());
+        let id = sha256(format!("{} from {}", resolved.key(), origin.checkpoint_sha256).as_bytes());
         let short: String = from.id.chars().take(12).collect();
         let after = origin.epochs_done;
         let document = json!({
@@ -282,7 +282,6 @@ fn unusable(why: &dyn std::fmt::Display) -> ControlError {
     )])
 }
 
-fn hex(bytes: &[u8]) -> String {
-    let digest = Sha256::digest(bytes);
-    digest.iter().map(|byte| format!("{byte:02x}")).collect()
+fn sha256(bytes: &[u8]) -> String {
+    hex::encode(Sha256::digest(bytes))
 }

@@ -406,15 +406,13 @@ impl Shared {
                     id: &claimed.id,
                     snapshot: &last,
                 });
-                self.persist(&claimed.id, Some(live), || {
+                self.persist(&claimed.id, live, || {
                     self.store.finish(claimed.seq, &finished, last).map(drop)
                 });
             }
             Ended::Failed(reason) => {
                 tracing::error!(run = claimed.id, reason, "the run failed");
-                self.persist(&claimed.id, Some(live), || {
-                    self.store.fail(claimed.seq, &reason)
-                });
+                self.persist(&claimed.id, live, || self.store.fail(claimed.seq, &reason));
             }
             Ended::Stopped(run, recorder, waits) => {
                 let parking = AssertUnwindSafe(|| {
@@ -422,9 +420,7 @@ impl Shared {
                 });
                 if let Err(panic) = catch_unwind(parking) {
                     let reason = said(&*panic);
-                    self.persist(&claimed.id, Some(live), || {
-                        self.store.fail(claimed.seq, &reason)
-                    });
+                    self.persist(&claimed.id, live, || self.store.fail(claimed.seq, &reason));
                 }
             }
         }
@@ -435,14 +431,12 @@ impl Shared {
     pub(super) fn persist(
         &self,
         id: &str,
-        live: Option<&LiveRun>,
+        live: &LiveRun,
         store: impl Fn() -> Result<(), StoreError>,
     ) {
         let since = Instant::now();
         while let Err(error) = store() {
-            if let Some(live) = live {
-                live.waits(WaitsFor::Store, since);
-            }
+            live.waits(WaitsFor::Store, since);
             tracing::error!(run = id, %error, "the end of the run cannot be stored; trying again");
             if self.pause(RETRY) {
                 return;

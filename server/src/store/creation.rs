@@ -53,9 +53,8 @@ pub struct JobRequest {
 impl JobRequest {
     /// A request with this body.
     pub fn new(body: &[u8], idempotency_key: Option<String>) -> Self {
-        let digest = Sha256::digest(body);
         Self {
-            sha256: digest.iter().map(|byte| format!("{byte:02x}")).collect(),
+            sha256: hex::encode(Sha256::digest(body)),
             idempotency_key,
             document: None,
         }

@@ -84,7 +84,7 @@ impl Run {
             return None;
         }
         let state = self.state();
-        let state_sha256 = hex(&Sha256::digest(&state));
+        let state_sha256 = hex::encode(Sha256::digest(&state));
         let (sensor_clusters, actuator_clusters) = self.learners.clusters();
         let reachable = self.reachable();
         let outcome = Outcome {
@@ -110,8 +110,4 @@ impl Run {
         };
         Some((outcome, self.snapshot_of(state)))
     }
-}
-
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
