@@ -117,28 +117,26 @@ impl<'a> Arenas<'a> {
             *parts += parts_of(&found.arena);
             Ok(found)
         });
-        match outcome {
+        let shown_parts = match outcome {
+            Ok(found) => self.shown_parts + found.shown_parts,
+            Err(_) => 0,
+        };
+        let wrong = match outcome {
             // One arena is let through however large: it has limits of its own.
-            Ok(found)
-                if self.shown_parts > 0
-                    && self.shown_parts + found.shown_parts > MAX_SHOWN_PARTS =>
-            {
-                let error = too_many_shown();
-                errors.add(pointer, error.message, error.allowed);
-                None
+            Ok(_) if self.shown_parts > 0 && shown_parts > MAX_SHOWN_PARTS => {
+                &vec![too_many_shown()]
             }
             Ok(found) => {
-                self.shown_parts += found.shown_parts;
-                Some(found.clone())
+                self.shown_parts = shown_parts;
+                return Some(found.clone());
             }
-            Err(wrong) => {
-                errors.extend(wrong.iter().map(|error| FieldError {
-                    pointer: format!("{pointer}{}", error.pointer),
-                    ..error.clone()
-                }));
-                None
-            }
-        }
+            Err(wrong) => wrong,
+        };
+        errors.extend(wrong.iter().map(|error| FieldError {
+            pointer: format!("{pointer}{}", error.pointer),
+            ..error.clone()
+        }));
+        None
     }
 }
 

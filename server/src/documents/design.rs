@@ -36,6 +36,15 @@ enum Stored {
     One(Design),
 }
 
+/// The label of a combination of a part.
+pub(super) fn in_part(part: &str, label: &str) -> String {
+    if label.is_empty() {
+        part.to_owned()
+    } else {
+        format!("{part}: {label}")
+    }
+}
+
 impl Design {
     pub(super) fn new(axes: &[Axis<'_>], seeds: usize) -> Self {
         Self {
@@ -59,10 +68,9 @@ impl Design {
         });
         let labels = labels_of(words.collect(), self.combinations()).into_iter();
         labels
-            .map(|label| match (&self.part, label.as_str()) {
-                (None, _) => label,
-                (Some(part), "") => part.clone(),
-                (Some(part), label) => format!("{part}: {label}"),
+            .map(|label| match &self.part {
+                None => label,
+                Some(part) => in_part(part, &label),
             })
             .collect()
     }

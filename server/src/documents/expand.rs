@@ -7,7 +7,7 @@ use api::FieldError;
 use serde_json::{Map, Value};
 
 use super::arena::{ArenaSource, Arenas};
-use super::design::Design;
+use super::design::{Design, in_part};
 use super::domains::{SCHEMA_LINK, Whole};
 use super::fields::{Errors, Object, did_you_mean, join, kind};
 use super::labels::labels;
@@ -112,10 +112,11 @@ pub fn expand(job: &Value, arenas: &dyn ArenaSource) -> Result<ExpandedJob, Vec<
     let mut errors = Errors::default();
     let job = with_template(job, &mut errors);
     let parts = parts(&job, &mut errors).unwrap_or_default();
+    let mut arenas = Arenas::new(arenas);
     let expanded = if parts.is_empty() {
-        product(&job, arenas, MAX_BYTES, &mut errors)
+        product(&job, &mut arenas, MAX_BYTES, &mut errors)
     } else {
-        together(&job, &parts, arenas, &mut errors)
+        together(&job, &parts, &mut arenas, &mut errors)
     };
     match expanded {
         Some(expanded) if errors.is_empty() => Ok(expanded),
@@ -127,7 +128,7 @@ pub fn expand(job: &Value, arenas: &dyn ArenaSource) -> Result<ExpandedJob, Vec<
 fn together(
     job: &Value,
     parts: &[Part],
-    arenas: &dyn ArenaSource,
+    arenas: &mut Arenas<'_>,
     errors: &mut Errors,
 ) -> Option<ExpandedJob> {
     let object = Object::open(job, "", FIELDS, errors)?;
@@ -141,11 +142,9 @@ fn together(
         let expanded = product(&part.job, arenas, MAX_BYTES / parts.len(), &mut wrong);
         errors.extend(wrong.into_vec().into_iter().map(|error| part.in_job(error)));
         let Some(expanded) = expanded else { continue };
-        let label = |label: &String| match label.as_str() {
-            "" => part.name.clone(),
-            label => format!("{}: {label}", part.name),
-        };
-        all.labels.extend(expanded.labels.iter().map(label));
+        let labels = expanded.labels.iter();
+        all.labels
+            .extend(labels.map(|label| in_part(&part.name, label)));
         all.designs
             .extend(expanded.designs.into_iter().map(|design| Design {
                 part: Some(part.name.clone()),
@@ -220,7 +219,7 @@ pub(super) fn with_template<'a>(job: &'a Value, errors: &mut Errors) -> Cow<'a, 
 /// A job without parts.
 fn product(
     job: &Value,
-    arenas: &dyn ArenaSource,
+    arenas: &mut Arenas<'_>,
     max_bytes: usize,
     errors: &mut Errors,
 ) -> Option<ExpandedJob> {
@@ -250,7 +249,7 @@ fn product(
         errors.add("", message, allowed);
         return None;
     }
-    let distinct = resolve_all(base, &axes, combinations, &mut Arenas::new(arenas), errors)?;
+    let distinct = resolve_all(base, &axes, combinations, arenas, errors)?;
     let misfits = misfits(&distinct, seeds[0]);
     if !misfits.is_empty() {
         // A field of the base run is wrong once, however many combinations have it.

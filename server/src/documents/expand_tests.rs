@@ -207,6 +207,31 @@ fn walls_that_many_combinations_write_out_are_bounded() {
 }
 
 #[test]
+fn walls_that_the_parts_of_a_job_write_out_are_bounded_together() {
+    let job = |parts: u32| {
+        let part = |number: u32| {
+            let epochs: Vec<u32> = (1..=10).map(|epochs| number * 10 + epochs).collect();
+            json!({ "name": format!("part {number}"), "matrix": { "epochs": epochs } })
+        };
+        let arena = json!({
+            "name": "long", "width_m": 1_000.0, "height_m": 0.5,
+            "generate": { "kind": "rooms", "seed": 0 }
+        });
+        json!({
+            "base": { "arena": arena, "controller": { "method": "brownian" } },
+            "parts": (0..parts).map(part).collect::<Vec<_>>()
+        })
+    };
+    assert_eq!(expand(&job(2), &BuiltinArenas).unwrap().runs.len(), 20);
+    let errors = expand(&job(3), &BuiltinArenas).unwrap_err();
+    assert!(
+        errors[0].message.contains("write out too many walls"),
+        "{errors:?}"
+    );
+    assert_eq!(errors[0].pointer, "/base/arena");
+}
+
+#[test]
 fn robots_that_do_not_fit_are_told_with_the_most_that_do() {
     let job = |robots: &[u32], placement: &str| {
         json!({
