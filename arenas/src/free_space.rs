@@ -8,7 +8,7 @@
 //! all they have in common lies between the lines, and then the middle of the shortest way between
 //! the walls does. So the intervals, and the near pairs of walls, say everything.
 
-use std::ops::Range;
+use std::ops::{ControlFlow, Range};
 
 use nalgebra::{Point2, Vector2};
 
@@ -226,6 +226,7 @@ fn meetings(walls: &[Segment], radius_m: f64, widest_m: f64) -> Vec<Meeting> {
                 zones: pair.map(|wall| wall as u32),
             });
         }
+        ControlFlow::Continue(())
     });
     meetings.sort_by(|one, other| {
         one.y_m

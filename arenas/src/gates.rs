@@ -1,5 +1,7 @@
 //! Gates about as wide as a body: where a little decides whether it can pass.
 
+use std::ops::ControlFlow;
+
 use nalgebra::Point2;
 
 use crate::arena::Arena;
@@ -34,8 +36,13 @@ pub fn gates_at_the_limit(arena: &Arena, body_radius_m: f64, within_m: f64) -> V
     let mut ways: Vec<Segment> = Vec::new();
     near_pairs(&walls, body_m + within_m, |_, way| {
         let width_m = way.length_m();
-        if width_m > 0.0 && width_m >= body_m - within_m && ways.len() < MOST_GATES {
+        if width_m > 0.0 && width_m >= body_m - within_m {
             ways.push(way);
+        }
+        if ways.len() < MOST_GATES {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
         }
     });
     let mut gates: Vec<Gate> = ways

@@ -1,5 +1,7 @@
 //! Pairs of walls that come near each other, found by a sweep along the longer side of the arena.
 
+use std::ops::ControlFlow;
+
 use crate::segment::Segment;
 
 /// Work after which the search ends, in comparisons of two walls' extents: about a second. Walls
@@ -8,11 +10,12 @@ const MOST_WORK: u64 = 200_000_000;
 /// A shortest way costs as much as this many comparisons.
 const WORK_OF_A_WAY: u64 = 16;
 
-/// Calls `found` with the shortest way between each two walls that are less than `within_m` apart.
+/// Calls `found` with the shortest way between each two walls that are less than `within_m` apart,
+/// until it breaks.
 pub(crate) fn near_pairs(
     walls: &[Segment],
     within_m: f64,
-    mut found: impl FnMut([usize; 2], Segment),
+    mut found: impl FnMut([usize; 2], Segment) -> ControlFlow<()>,
 ) {
     let extent = |wall: &Segment, axis: usize| {
         let (one, other) = (wall.a[axis], wall.b[axis]);
@@ -44,8 +47,8 @@ pub(crate) fn near_pairs(
             }
             work += WORK_OF_A_WAY;
             let way = walls[one].shortest_way_to(&walls[other]);
-            if way.length_m() < within_m {
-                found([one, other], way);
+            if way.length_m() < within_m && found([one, other], way).is_break() {
+                return;
             }
         }
         if work > MOST_WORK {

@@ -30,6 +30,7 @@ mod start;
 mod stored;
 mod template_list;
 mod templates;
+mod weight;
 
 pub use arena::{ArenaSource, BuiltinArenas, arena_error, read_arena};
 pub use channels::asked_channels;
@@ -53,6 +54,7 @@ pub use templates::{
     CHAPTER_5, CHAPTER_5_METHODS, ENGINE_METHODS, SHORT_PHASE_ARENA, SHORT_PHASE_METHOD,
     SHORT_PHASES, chapter_5,
 };
+pub use weight::is_heavy;
 
 #[cfg(test)]
 mod expand_tests;

@@ -13,6 +13,16 @@ const MAX_BYTES: usize = 64 << 20;
 /// Deepest that arrays and objects may hold each other.
 const MAX_DEPTH: usize = 64;
 
+/// Most bytes that a document takes once it is read, about, or so many times those of its text if
+/// that is more. Small objects take a hundred times as much as their text, those of arenas thirty.
+const MAX_READ_BYTES: usize = 128 << 20;
+const MAX_READ_TIMES: usize = 32;
+/// What a value, a list, an object and a key of one take.
+const VALUE_BYTES: usize = 32;
+const LIST_BYTES: usize = 96;
+const OBJECT_BYTES: usize = 600;
+const KEY_BYTES: usize = 64;
+
 /// Parses JSON text. A byte order mark before it is passed over.
 ///
 /// # Errors
@@ -26,7 +36,10 @@ pub fn parse(text: &str) -> Result<Value, Vec<FieldError>> {
         let message = format!("the document has {} bytes", text.len());
         return Err(vec![FieldError::new("", message, allowed)]);
     }
-    let mut place = Place::default();
+    let mut place = Place {
+        most_bytes: MAX_READ_BYTES.max(MAX_READ_TIMES * text.len()),
+        ..Place::default()
+    };
     let mut deserializer = serde_json::Deserializer::from_str(text);
     let value = Node(&mut place)
         .deserialize(&mut deserializer)
@@ -44,6 +57,9 @@ pub fn parse(text: &str) -> Result<Value, Vec<FieldError>> {
 struct Place {
     path: Vec<String>,
     twice: Errors,
+    /// What was read so far takes, and may take.
+    bytes: usize,
+    most_bytes: usize,
 }
 
 impl Place {
@@ -53,6 +69,17 @@ impl Place {
             .iter()
             .fold(String::new(), |p, name| join(&p, name));
         join(&pointer, key)
+    }
+
+    fn take<E: serde::de::Error>(&mut self, bytes: usize) -> Result<(), E> {
+        self.bytes += bytes;
+        if self.bytes > self.most_bytes {
+            let most = self.most_bytes;
+            return Err(E::custom(format!(
+                "so many objects and lists that they take more than {most} bytes"
+            )));
+        }
+        Ok(())
     }
 }
 
@@ -75,6 +102,7 @@ impl Node<'_> {
                 "nested deeper than {MAX_DEPTH} arrays and objects"
             )));
         }
+        self.0.take(VALUE_BYTES)?;
         self.0.path.push(name);
         Ok(Node(self.0))
     }
@@ -116,6 +144,7 @@ impl<'de> Visitor<'de> for Node<'_> {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(mut self, mut list: A) -> Result<Value, A::Error> {
+        self.0.take(LIST_BYTES)?;
         let mut values = Vec::new();
         loop {
             let node = self.inside(values.len().to_string())?;
@@ -129,8 +158,10 @@ impl<'de> Visitor<'de> for Node<'_> {
     }
 
     fn visit_map<A: MapAccess<'de>>(mut self, mut object: A) -> Result<Value, A::Error> {
+        self.0.take(OBJECT_BYTES)?;
         let mut map = Map::new();
         while let Some(name) = object.next_key::<String>()? {
+            self.0.take(KEY_BYTES)?;
             let value = object.next_value_seed(self.inside(name.clone())?)?;
             self.0.path.pop();
             if map.contains_key(&name) {
@@ -184,6 +215,21 @@ mod tests {
     fn a_byte_order_mark_is_passed_over() {
         assert_eq!(parse("\u{feff}{\"a\": 1}").unwrap(), json!({"a": 1}));
         assert!(parse("{\"a\": \u{feff}1}").is_err());
+    }
+
+    #[test]
+    fn what_a_text_takes_when_it_is_read_is_bounded() {
+        let list_of = |value: &str, count: usize| format!("[{}]", vec![value; count].join(","));
+        // Walls and starts of arenas.
+        let start = r#"{"x_m": 1.5, "y_m": 1.5, "heading_rad": 0.5}"#;
+        for allowed in [list_of("[0.5,0.5,1,1]", 200_000), list_of(start, 400_000)] {
+            assert!(parse(&allowed).is_ok());
+        }
+        for heavy in [list_of("{\"a\":1}", 300_000), list_of("[1]", 1_000_000)] {
+            assert!(heavy.len() < 4 << 20);
+            let errors = parse(&heavy).unwrap_err();
+            assert!(errors[0].message.contains("take more than"), "{errors:?}");
+        }
     }
 
     #[test]

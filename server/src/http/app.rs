@@ -13,6 +13,7 @@ use tokio::sync::Semaphore;
 use super::metrics::Metrics;
 use super::refusal::Refusal;
 use super::table_lengths::Lengths;
+use super::turns::Turns;
 use crate::events::Hub;
 use crate::findings::{Assembler, views};
 use crate::recording::Maker;
@@ -30,6 +31,8 @@ pub(super) struct App {
     pub(super) metrics: Arc<Metrics>,
     /// Recordings that are made afterwards.
     pub(super) recordings: Arc<Maker>,
+    /// Turns of heavy documents.
+    pub(super) turns: Arc<Turns>,
     /// Places for tables that are being made.
     pub(super) exports: Arc<Semaphore>,
     /// How long tables are that were made.

@@ -13,7 +13,7 @@ use axum::response::{IntoResponse, Response};
 use super::App;
 use super::operation::{JSON, Operation, Shape};
 use super::refusal::Refusal;
-use super::request::{parse, said_to_be_json};
+use super::request::said_to_be_json;
 use super::routes::Routes;
 use crate::documents::{ArenaSource, BuiltinArenas, read_arena};
 use crate::scheduler::StoredArenas;
@@ -90,7 +90,7 @@ async fn list(State(app): State<App>) -> Result<Json<ArenaList>, Refusal> {
             .names()
             .iter()
             .filter_map(|name| BuiltinArenas.arena(name))
-            .map(|arena| listing(app, &arena, true))
+            .map(|arena| listing(&arena, true, reachable(app, &arena)))
             .collect();
         items.extend(app.store.arenas()?);
         Ok(Json(ArenaList { items }))
@@ -106,7 +106,8 @@ async fn create(
 ) -> Result<Response, Refusal> {
     said_to_be_json(&headers)?;
     app.blocking(move |app| {
-        let arena = read_arena(&parse(&body)?).map_err(Refusal::fields)?;
+        let document = app.turns.read(&body)?;
+        let arena = read_arena(&document).map_err(Refusal::fields)?;
         let name = arena.name().to_owned();
         if name == GENERATE {
             let detail = format!("{name} is the name of a route");
@@ -116,7 +117,7 @@ async fn create(
             let detail = format!("{name} is the name of a built-in arena");
             return Err(Refusal::new(ArenaNameTaken, detail));
         }
-        let listing = listing(app, &arena, false);
+        let listing = listing(&arena, false, reachable(app, &arena));
         let body = text(&arena)?;
         let stored = StoredArena {
             name,
@@ -142,8 +143,9 @@ async fn generate(
     body: Bytes,
 ) -> Result<Response, Refusal> {
     said_to_be_json(&headers)?;
-    app.blocking(move |_| {
-        let arena = read_arena(&parse(&body)?).map_err(Refusal::fields)?;
+    app.blocking(move |app| {
+        let document = app.turns.read(&body)?;
+        let arena = read_arena(&document).map_err(Refusal::fields)?;
         Ok(([(CONTENT_TYPE, JSON)], text(&arena)?).into_response())
     })
     .await
@@ -190,11 +192,18 @@ async fn delete(State(app): State<App>, Path(name): Path<String>) -> Result<Stat
     .await
 }
 
-/// An arena in a list.
-pub(super) fn listing(app: &App, arena: &Arena, builtin: bool) -> ArenaListing {
-    let radius_m = SvgOptions::default().body_radius_m;
-    let mask = app.findings.mask(arena, radius_m);
+/// Squares that the default robot can reach from the arena's first start.
+fn reachable(app: &App, arena: &Arena) -> u32 {
+    let mask = app
+        .findings
+        .mask(arena, SvgOptions::default().body_radius_m);
     let reachable = mask.map_or(0, |mask| mask.iter().filter(|&&reached| reached).count());
+    // An arena has at most 1,000 x 1,000 squares.
+    reachable as u32
+}
+
+/// An arena in a list.
+pub(super) fn listing(arena: &Arena, builtin: bool, reachable: u32) -> ArenaListing {
     ArenaListing {
         name: arena.name().to_owned(),
         builtin,
@@ -203,8 +212,7 @@ pub(super) fn listing(app: &App, arena: &Arena, builtin: bool) -> ArenaListing {
         walls: arena.walls().len() as u64,
         starts: arena.starts().len() as u64,
         squares: arena.squares().into(),
-        // An arena has at most 1,000 x 1,000 squares.
-        reachable: reachable as u32,
+        reachable,
     }
 }
 

@@ -21,7 +21,7 @@ use super::operation::{Operation, Shape};
 use super::query::Query;
 use super::recordings::{MCAP, MEDIA_TYPE, SLICE, as_mcap, cut, table, whole};
 use super::refusal::Refusal;
-use super::request::{parse, said_to_be_json};
+use super::request::said_to_be_json;
 use super::routes::Routes;
 use crate::recording::{AskError, Paths, live_state};
 use crate::store::RunView;
@@ -145,7 +145,7 @@ async fn ask(
 ) -> Result<Response, Refusal> {
     said_to_be_json(&headers)?;
     app.blocking(move |app| {
-        let document = parse(&body)?;
+        let document = app.turns.read(&body)?;
         let spec = app.findings.resolved(&run)?;
         let (wish, is_new) = app.recordings.ask(&run, &spec, &document)?;
         let shown = Json(app.recordings.summary(&run.id, &wish));

@@ -14,7 +14,7 @@ use super::App;
 use super::extract::FoundRun;
 use super::operation::{Operation, Shape};
 use super::refusal::Refusal;
-use super::request::{parse, said_to_be_json};
+use super::request::said_to_be_json;
 use super::routes::Routes;
 use crate::channels::{ChannelSet, Desk, Extent, Fate, MAX_ASKED_RUNS, describe};
 use crate::documents::asked_channels;
@@ -85,7 +85,8 @@ async fn ask(
 ) -> Result<Json<Vec<ChannelDescription>>, Refusal> {
     said_to_be_json(&headers)?;
     app.blocking(move |app| {
-        let set = asked_channels(&parse(&body)?).map_err(Refusal::fields)?;
+        let document = app.turns.read(&body)?;
+        let set = asked_channels(&document).map_err(Refusal::fields)?;
         let state = run.state.state();
         if state.is_final() {
             let detail = format!("the run is {state}: nothing of it can be watched");

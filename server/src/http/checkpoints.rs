@@ -16,7 +16,7 @@ use super::extract::FoundRun;
 use super::operation::{Operation, Shape};
 use super::partial;
 use super::refusal::Refusal;
-use super::request::{BYTES, parse, said_to_be_bytes, said_to_be_json};
+use super::request::{BYTES, said_to_be_bytes, said_to_be_json};
 use super::routes::Routes;
 use crate::documents::fork;
 
@@ -129,7 +129,8 @@ async fn fork_run(
 ) -> Result<Response, Refusal> {
     said_to_be_json(&headers)?;
     app.blocking(move |app| {
-        let wanted = fork(&parse(&body)?).map_err(Refusal::fields)?;
+        let document = app.turns.read(&body)?;
+        let wanted = fork(&document).map_err(Refusal::fields)?;
         app.created(app.scheduler.fork_run(&run, &wanted)?)
     })
     .await

@@ -1,6 +1,5 @@
 //! `/v1/checks/arena` and `/v1/checks/job`: documents looked at before they are posted.
 
-use api::ArenaListing;
 use api::checks::{ArenaCheck, GateCheck, JobCheck};
 use arenas::{Arena, SvgOptions};
 use axum::Json;
@@ -12,7 +11,7 @@ use super::App;
 use super::arenas::listing;
 use super::operation::{Operation, Shape};
 use super::refusal::Refusal;
-use super::request::{parse, said_to_be_json};
+use super::request::said_to_be_json;
 use super::routes::Routes;
 use crate::documents::{ExpandedJob, ResolvedRun, expand, read_arena};
 use crate::scheduler::{StoredArenas, step_cost};
@@ -62,8 +61,9 @@ async fn arena(
 ) -> Result<Json<ArenaCheck>, Refusal> {
     said_to_be_json(&headers)?;
     app.blocking(move |app| {
-        let arena = read_arena(&parse(&body)?).map_err(Refusal::fields)?;
-        Ok(Json(checked(listing(app, &arena, false), &arena)))
+        let document = app.turns.read(&body)?;
+        let arena = read_arena(&document).map_err(Refusal::fields)?;
+        Ok(Json(checked(&arena)))
     })
     .await
 }
@@ -77,7 +77,7 @@ pub(super) fn rows(mask: &[bool], arena: &Arena) -> Vec<String> {
         .collect()
 }
 
-fn checked(mut listing: ArenaListing, arena: &Arena) -> ArenaCheck {
+fn checked(arena: &Arena) -> ArenaCheck {
     let radius_m = SvgOptions::default().body_radius_m;
     let starts: Vec<_> = arena
         .starts()
@@ -85,10 +85,9 @@ fn checked(mut listing: ArenaListing, arena: &Arena) -> ArenaCheck {
         .map(|start| start.position())
         .collect();
     let reachable = arenas::reachable_from(arena, &starts, radius_m);
-    listing.reachable = reachable.count;
     let gates = arenas::gates_at_the_limit(arena, radius_m, GATE_WITHIN_M);
     ArenaCheck {
-        arena: listing,
+        arena: listing(arena, false, reachable.count),
         walls_m: arena
             .walls()
             .iter()
@@ -118,7 +117,8 @@ async fn job(
     said_to_be_json(&headers)?;
     app.blocking(move |app| {
         let arenas = StoredArenas::new(&app.store);
-        let job = expand(&parse(&body)?, &arenas).map_err(Refusal::fields)?;
+        let document = app.turns.read(&body)?;
+        let job = expand(&document, &arenas).map_err(Refusal::fields)?;
         let limits = &app.scheduler.config().recordings;
         limits.check_job(&job.runs).map_err(Refusal::fields)?;
         Ok(Json(estimate(app, &job)?))

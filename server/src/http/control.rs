@@ -18,7 +18,7 @@ use super::App;
 use super::extract::{FoundJob, FoundRun};
 use super::operation::{JSON, Operation, Shape};
 use super::refusal::Refusal;
-use super::request::{parse, said_to_be_json};
+use super::request::said_to_be_json;
 use super::routes::Routes;
 use crate::documents::one_number;
 use crate::findings::views;
@@ -153,7 +153,9 @@ async fn extend_job(
 ) -> Result<Json<Job>, Refusal> {
     said_to_be_json(&headers)?;
     on_job(app, job, move |app, job| {
-        let more = number(&body, "seeds", (1, i64::from(MAX_MORE_SEEDS)))?;
+        let more = number(app, &body, "seeds", (1, i64::from(MAX_MORE_SEEDS)))?;
+        // Its document is expanded anew.
+        let _turn = app.turns.take()?;
         app.scheduler.extend_job(job, more as u64)?;
         Ok::<_, Refusal>(())
     })
@@ -170,7 +172,7 @@ async fn priority(
     said_to_be_json(&headers)?;
     on_job(app, job, move |app, job| {
         let most = i64::from(MAX_PRIORITY);
-        let priority = number(&body, "priority", (-most, most))?;
+        let priority = number(app, &body, "priority", (-most, most))?;
         app.scheduler.set_priority(job.seq, priority as i32)?;
         Ok::<_, Refusal>(())
     })
@@ -224,7 +226,7 @@ async fn step_run(
 ) -> Result<Json<RunSummary>, Refusal> {
     said_to_be_json(&headers)?;
     on_run(app, run, move |app, run| {
-        let epochs = number(&body, "epochs", (1, i64::from(MAX_MORE_EPOCHS)))?;
+        let epochs = number(app, &body, "epochs", (1, i64::from(MAX_MORE_EPOCHS)))?;
         app.scheduler.step_run(run, epochs as u32)?;
         Ok::<_, Refusal>(())
     })
@@ -240,7 +242,7 @@ async fn extend_run(
 ) -> Result<Response, Refusal> {
     said_to_be_json(&headers)?;
     app.blocking(move |app| {
-        let epochs = number(&body, "epochs", (1, i64::from(MAX_MORE_EPOCHS)))?;
+        let epochs = number(app, &body, "epochs", (1, i64::from(MAX_MORE_EPOCHS)))?;
         app.created(app.scheduler.extend_run(&run, epochs as u32)?)
     })
     .await
@@ -275,8 +277,9 @@ async fn log(State(app): State<App>, FoundRun(run): FoundRun) -> Result<Json<Run
 }
 
 /// The one field of a small document.
-fn number(body: &[u8], field: &str, range: (i64, i64)) -> Result<i64, Refusal> {
-    one_number(&parse(body)?, field, range).map_err(Refusal::fields)
+fn number(app: &App, body: &[u8], field: &str, range: (i64, i64)) -> Result<i64, Refusal> {
+    let document = app.turns.read(body)?;
+    one_number(&document, field, range).map_err(Refusal::fields)
 }
 
 /// Does something to a job and shows it as it is then.

@@ -14,7 +14,7 @@ use super::extract::FoundJob;
 use super::operation::{Operation, Shape, key_schema};
 use super::query::{CURSOR, LIMIT, ORDER, Parameter, Query, STATE};
 use super::refusal::Refusal;
-use super::request::{MAX_KEY_BYTES, idempotency_key, parse, said_to_be_json};
+use super::request::{MAX_KEY_BYTES, idempotency_key, said_to_be_json};
 use super::routes::Routes;
 use crate::documents::{expand, run_count};
 use crate::findings::views;
@@ -114,7 +114,7 @@ async fn create(
     let idempotency_key = idempotency_key(&headers)?;
     app.blocking(move |app| {
         let arenas = StoredArenas::new(&app.store);
-        let document = parse(&body)?;
+        let document = app.turns.read(&body)?;
         let request = JobRequest::of_document(&body, idempotency_key);
         // A job for which there is no room, or that is stored already, need not be expanded.
         let earlier = app.scheduler.admit(&request, run_count(&document))?;

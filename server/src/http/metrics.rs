@@ -11,6 +11,7 @@ use prometheus_client::metrics::histogram::{Histogram, exponential_buckets};
 use prometheus_client::registry::Registry;
 
 use super::connections::open_connections;
+use super::memory::resident_bytes;
 use super::refusal::Refusal;
 use crate::scheduler::{Counters, Scheduler};
 use crate::store::Store;
@@ -161,14 +162,4 @@ impl Metrics {
         encode(&mut text, &self.registry).map_err(|error| Refusal::internal(&error))?;
         Ok(text)
     }
-}
-
-/// Resident memory of the process; 0 where the system does not tell.
-fn resident_bytes() -> u64 {
-    let statm = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
-    let pages = statm
-        .split_whitespace()
-        .nth(1)
-        .and_then(|pages| pages.parse().ok());
-    pages.unwrap_or(0_u64) * rustix::param::page_size() as u64
 }

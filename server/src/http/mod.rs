@@ -28,6 +28,7 @@ mod job_findings;
 mod jobs;
 mod learning;
 mod listen;
+mod memory;
 mod metrics;
 mod openapi;
 mod operation;
@@ -48,6 +49,7 @@ mod serve;
 mod table_lengths;
 #[cfg(test)]
 mod tests;
+mod turns;
 mod watching;
 mod workers;
 

@@ -79,6 +79,7 @@ pub fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, tokens: Tokens) -> R
         recordings: Arc::new(recordings(&store, &scheduler, &findings)),
         findings,
         events: Hub::start(Arc::clone(&store), Arc::clone(&scheduler)),
+        turns: Arc::default(),
         exports: exports::places(),
         lengths: Arc::default(),
         viewers: Arc::new(Semaphore::new(watching::MAX_VIEWERS)),

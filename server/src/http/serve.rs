@@ -13,6 +13,7 @@ use tokio::time::MissedTickBehavior;
 
 use super::access::Tokens;
 use super::listen::listen;
+use super::memory::give_back;
 use super::router::router;
 use crate::channels::{ChannelSettings, Cleaner};
 use crate::recording::Limits;
@@ -99,6 +100,7 @@ pub fn serve(options: ServeOptions) -> anyhow::Result<()> {
         let scheduler = Arc::new(Scheduler::start(Arc::clone(&store), config)?);
         let stop = Stop::on_signals(1)?;
         let routes = router(store, Arc::clone(&scheduler), tokens);
+        tokio::spawn(give_back());
         if options.keep.is_limited() {
             tokio::spawn(retain(Arc::clone(&scheduler), options.keep));
         }

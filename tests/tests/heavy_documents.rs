@@ -1,0 +1,86 @@
+//! Documents that are short to say and long to work on: many at once take turns, cost the memory of
+//! a few, give it back, and shut nobody else out.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use serde_json::json;
+use tests::http::Client;
+use tests::server::Server;
+use tests::{job, small_spec, wait};
+
+/// Requests at once: more than may wait for their turn.
+const CLIENTS: usize = 40;
+/// Most that the server may hold meanwhile; without turns it is four times that.
+const MOST_BYTES: f64 = 1e9;
+/// What it may keep afterwards; without giving back it is hundreds of megabytes.
+const KEPT_BYTES: f64 = 150e6;
+
+fn resident_bytes(server: &Server) -> f64 {
+    let text = server.get("/metrics");
+    let mut lines = text.text().lines();
+    let value = lines.find_map(|line| line.strip_prefix("evswarm_memory_resident_bytes "));
+    value.unwrap().parse().unwrap()
+}
+
+#[test]
+fn many_heavy_documents_at_once_cost_the_memory_of_a_few_and_shut_nobody_out() {
+    let home = tempfile::tempdir().unwrap();
+    let server = Server::start(home.path());
+    // 23,000 walls in each of 20 runs.
+    let heavy = json!({
+        "base": {
+            "arena": {
+                "name": "long", "width_m": 1_000.0, "height_m": 0.5,
+                "generate": { "kind": "rooms", "seed": 0 }
+            },
+            "controller": { "method": "brownian" }
+        },
+        "matrix": { "epochs": (1..=20).collect::<Vec<u32>>() }
+    });
+    let ended = AtomicBool::new(false);
+    let (mut most_bytes, mut quickest) = (0.0_f64, Duration::MAX);
+    let statuses: Vec<u16> = std::thread::scope(|scope| {
+        let post = || {
+            let client = Client::new(server.url());
+            client.post("/v1/checks/job", &heavy).status
+        };
+        let clients: Vec<_> = (0..CLIENTS).map(|_| scope.spawn(post)).collect();
+        let other = scope.spawn(|| {
+            server.wait_for(&server.submit(&job(small_spec(), 2)));
+            // Whatever the machine does, not after all of them.
+            assert!(!ended.load(Ordering::SeqCst), "it had to wait");
+        });
+        while !clients.iter().all(|client| client.is_finished()) {
+            let start = Instant::now();
+            assert_eq!(Client::new(server.url()).get("/healthz").status, 200);
+            quickest = quickest.min(start.elapsed());
+            most_bytes = most_bytes.max(resident_bytes(&server));
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        ended.store(true, Ordering::SeqCst);
+        other.join().unwrap();
+        clients.into_iter().map(|c| c.join().unwrap()).collect()
+    });
+    assert!(quickest < Duration::from_millis(100), "{quickest:?}");
+    assert!(most_bytes < MOST_BYTES, "{most_bytes}");
+    assert!(statuses.iter().all(|status| [200, 503].contains(status)));
+    assert!(statuses.iter().filter(|status| **status == 200).count() > CLIENTS / 2);
+    assert!(statuses.contains(&503), "more waited than may: {statuses:?}");
+    wait::until("memory to be given back", || {
+        (resident_bytes(&server) < KEPT_BYTES).then_some(())
+    });
+}
+
+#[test]
+fn a_text_that_would_take_a_hundred_times_its_length_is_refused_early() {
+    let home = tempfile::tempdir().unwrap();
+    let server = Server::start(home.path());
+    let text = format!("{{\"base\": [{}]}}", vec![r#"{"a":1}"#; 500_000].join(","));
+    let headers = [("content-type", "application/json")];
+    let answer = server.send("POST", "/v1/jobs", &headers, text.as_bytes());
+    let errors = answer.problem(400).errors;
+    assert!(errors[0].message.contains("take more than"), "{errors:?}");
+    assert!(resident_bytes(&server) < MOST_BYTES);
+}
