@@ -3,6 +3,7 @@
 //! Nothing in here does simulation arithmetic; that is `swarm`'s.
 
 pub mod artifacts;
+mod asked;
 pub mod break_points;
 pub mod channels;
 pub mod cli;

@@ -67,7 +67,10 @@ fn many_heavy_documents_at_once_cost_the_memory_of_a_few_and_shut_nobody_out() {
     assert!(most_bytes < MOST_BYTES, "{most_bytes}");
     assert!(statuses.iter().all(|status| [200, 503].contains(status)));
     assert!(statuses.iter().filter(|status| **status == 200).count() > CLIENTS / 2);
-    assert!(statuses.contains(&503), "more waited than may: {statuses:?}");
+    assert!(
+        statuses.contains(&503),
+        "more waited than may: {statuses:?}"
+    );
     wait::until("memory to be given back", || {
         (resident_bytes(&server) < KEPT_BYTES).then_some(())
     });

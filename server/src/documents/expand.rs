@@ -19,6 +19,7 @@ use super::placement::misfits;
 use super::resolve::{VERSION, resolve_with};
 use super::resolved::ResolvedRun;
 use super::templates::prepared;
+use crate::asked::is_given_up;
 
 /// Most runs of a job.
 pub const MAX_RUNS: usize = 100_000;
@@ -390,6 +391,10 @@ fn resolve_all(
     for place in 0..combinations {
         if met.len() >= ENOUGH_ERRORS {
             break;
+        }
+        if is_given_up() {
+            errors.add("", "was given up", "a client that waits for the answer");
+            return None;
         }
         tried += 1;
         let wrong = match combination(base, axes, place) {

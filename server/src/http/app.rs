@@ -14,6 +14,7 @@ use super::metrics::Metrics;
 use super::refusal::Refusal;
 use super::table_lengths::Lengths;
 use super::turns::Turns;
+use crate::asked::Asked;
 use crate::events::Hub;
 use crate::findings::{Assembler, views};
 use crate::recording::Maker;
@@ -31,8 +32,9 @@ pub(super) struct App {
     pub(super) metrics: Arc<Metrics>,
     /// Recordings that are made afterwards.
     pub(super) recordings: Arc<Maker>,
-    /// Turns of heavy documents.
+    /// Turns of heavy documents, and of pooling many runs.
     pub(super) turns: Arc<Turns>,
+    pub(super) pooling: Arc<Turns>,
     /// Places for tables that are being made.
     pub(super) exports: Arc<Semaphore>,
     /// How long tables are that were made.
@@ -46,7 +48,7 @@ pub(super) struct App {
 }
 
 impl App {
-    /// Does what blocks on a thread made for that.
+    /// Does what blocks on a thread made for that. Once nobody waits for it any more it may end early.
     pub(super) async fn blocking<T: Send + 'static>(
         &self,
         task: impl FnOnce(&App) -> Result<T, Refusal> + Send + 'static,
@@ -54,7 +56,9 @@ impl App {
         let app = self.clone();
         // What is logged there is of this request too.
         let span = tracing::Span::current();
-        tokio::task::spawn_blocking(move || span.in_scope(|| task(&app)))
+        let asked = Asked::default();
+        let work = asked.work();
+        tokio::task::spawn_blocking(move || span.in_scope(|| work.run(|| task(&app))))
             .await
             .unwrap_or_else(|error| Err(Refusal::internal(&error)))
     }

@@ -66,6 +66,8 @@ async fn show(
         .map_err(|error| Refusal::internal(&error))?;
     let (job, tag) = app
         .blocking(move |app| {
+            // The tag is one of all of the job's runs.
+            let _turn = app.pooling.to_pool(&job)?;
             exports::check(&app.store, &job, table)?;
             let tag = exports::tag(&app.store, &job, table, form)?;
             Ok((job, tag))

@@ -4,8 +4,10 @@ use std::time::Duration;
 
 use tokio::time::MissedTickBehavior;
 
-/// Time between two looks at what is resident.
+/// Time between two looks at what is resident ...
 const LOOK_EVERY: Duration = Duration::from_secs(5);
+/// ... and looks that are passed over at most while there is nothing to give back.
+const MOST_PASSED_OVER: u32 = 60;
 /// Growth after which the allocator is asked to give back what nobody holds.
 const GROWN_BYTES: u64 = 64 << 20;
 
@@ -19,24 +21,38 @@ pub fn resident_bytes() -> u64 {
     pages.unwrap_or(0_u64) * rustix::param::page_size() as u64
 }
 
-/// Gives back to the system, whenever the process has grown, what is free within it: glibc keeps the
-/// small pieces that large requests took, hundreds of megabytes after some at once.
+/// Gives back to the system, now and then while the process is larger than it was, what is free
+/// within it: glibc keeps the small pieces that large requests took, hundreds of megabytes after
+/// some at once.
 pub async fn give_back() {
     let mut look = tokio::time::interval(LOOK_EVERY);
     look.set_missed_tick_behavior(MissedTickBehavior::Delay);
     let mut least_bytes = resident_bytes();
+    let (mut last_bytes, mut pass_over, mut passed_over) = (least_bytes, 0, 0);
     loop {
         look.tick().await;
         let bytes = resident_bytes();
-        if bytes <= least_bytes + GROWN_BYTES {
-            least_bytes = least_bytes.min(bytes);
+        least_bytes = least_bytes.min(bytes);
+        if bytes > last_bytes + GROWN_BYTES {
+            pass_over = 0;
+        }
+        if bytes <= least_bytes + GROWN_BYTES || passed_over < pass_over {
+            passed_over += 1;
             continue;
         }
         if let Err(error) = tokio::task::spawn_blocking(trim).await {
             tracing::error!(%error, "free memory cannot be given back");
         }
-        least_bytes = resident_bytes();
-        tracing::debug!(bytes, least_bytes, "free memory was given back");
+        last_bytes = resident_bytes();
+        tracing::debug!(bytes, last_bytes, "free memory was given back");
+        // What is in use need not be looked through again and again.
+        let gave_back = last_bytes + GROWN_BYTES < bytes;
+        passed_over = 0;
+        pass_over = if gave_back {
+            0
+        } else {
+            (2 * pass_over + 1).min(MOST_PASSED_OVER)
+        };
     }
 }
 

@@ -80,6 +80,7 @@ pub fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, tokens: Tokens) -> R
         findings,
         events: Hub::start(Arc::clone(&store), Arc::clone(&scheduler)),
         turns: Arc::default(),
+        pooling: Arc::default(),
         exports: exports::places(),
         lengths: Arc::default(),
         viewers: Arc::new(Semaphore::new(watching::MAX_VIEWERS)),

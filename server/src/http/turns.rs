@@ -1,5 +1,5 @@
-//! Turns of documents that take much memory or time, so that many of them at once cost no more than
-//! a few, and leave room for all other requests.
+//! Turns of work that takes much memory or time, so that many requests for it at once cost no more
+//! than a few, and leave room for all others.
 
 use std::ops::Deref;
 use std::sync::Arc;
@@ -14,18 +14,22 @@ use tokio::time::timeout;
 use super::memory;
 use super::refusal::Refusal;
 use super::request::parse;
+use crate::asked::is_given_up;
 use crate::documents::is_heavy;
+use crate::store::JobView;
 
-/// Heavy documents worked on at a time ...
+/// Turns at a time ...
 const MAX_AT_A_TIME: usize = 2;
-/// ... and most that wait: a quarter of the requests that are answered at a time.
+/// ... and most requests that wait for one: a quarter of those that are answered at a time.
 const MAX_WAITING: usize = 32;
 /// Longest wait.
 const PATIENCE: Duration = Duration::from_secs(30);
-/// A text above this is heavy: read, it may take two hundred times as many bytes.
+/// A text above this is heavy: read, it may take a hundred times as many bytes.
 const LARGE_BYTES: usize = 64 << 10;
+/// What pools more runs than this is heavy.
+const MANY_RUNS: u64 = 1_000;
 
-/// Who may work on a heavy document.
+/// Who may do heavy work of one kind.
 pub struct Turns {
     working: Arc<Semaphore>,
     waiting: Semaphore,
@@ -72,7 +76,7 @@ impl Turns {
     /// Waits for a turn, on a thread that may block.
     ///
     /// # Errors
-    /// 503 when too many wait, or for too long.
+    /// 503 when too many wait, or for too long, or nobody waits for the answer any more.
     pub fn take(&self) -> Result<Turn, Refusal> {
         let refused = |detail| Refusal::new(ProblemCode::Overloaded, detail).retry_after_s(5);
         let turn = Arc::clone(&self.working).try_acquire_owned();
@@ -82,16 +86,29 @@ impl Turns {
                 let _place = self
                     .waiting
                     .try_acquire()
-                    .map_err(|_| refused("too many large documents at a time"))?;
+                    .map_err(|_| refused("too many requests for much work at a time"))?;
                 let turn = timeout(self.patience, Arc::clone(&self.working).acquire_owned());
                 Handle::current()
                     .block_on(turn)
                     .ok()
                     .and_then(Result::ok)
-                    .ok_or_else(|| refused("other large documents took too long"))?
+                    .ok_or_else(|| refused("other requests for much work took too long"))?
             }
         };
-        Ok(Turn { _permit: permit })
+        let turn = Turn { _permit: permit };
+        if is_given_up() {
+            return Err(refused("the client is gone"));
+        }
+        Ok(turn)
+    }
+
+    /// A turn to pool the runs of this job, if they are many.
+    ///
+    /// # Errors
+    /// As [`Self::take`].
+    pub fn to_pool(&self, job: &JobView) -> Result<Option<Turn>, Refusal> {
+        let is_heavy = job.counts.total > MANY_RUNS;
+        is_heavy.then(|| self.take()).transpose()
     }
 
     /// Reads a document, on a thread that may block; a heavy one when its turn comes.
