@@ -183,6 +183,10 @@ async fn delete(State(app): State<App>, Path(name): Path<String>) -> Result<Stat
         match app.store.delete_arena(&name)? {
             ArenaDeletion::Deleted => Ok(StatusCode::NO_CONTENT),
             ArenaDeletion::Unknown => Err(Refusal::not_found(ArenaNotFound, "arena", &name)),
+            ArenaDeletion::Lent => Err(Refusal::new(
+                ArenaInUse,
+                "a job with this arena is being made; try again",
+            )),
             ArenaDeletion::InUse { runs } => Err(Refusal::new(
                 ArenaInUse,
                 format!("{runs} stored runs use this arena; delete their jobs first"),

@@ -113,7 +113,7 @@ async fn create(
     said_to_be_json(&headers)?;
     let idempotency_key = idempotency_key(&headers)?;
     app.blocking(move |app| {
-        let arenas = StoredArenas::new(&app.store);
+        let arenas = StoredArenas::to_keep(&app.store);
         let document = app.turns.read(&body)?;
         let request = JobRequest::of_document(&body, idempotency_key);
         // A job for which there is no room, or that is stored already, need not be expanded.

@@ -68,8 +68,8 @@ impl Scheduler {
             )]));
         }
         let longer = with_more_seeds(&document, more);
-        let all =
-            |document| expand(document, &StoredArenas::new(store)).map_err(ControlError::Invalid);
+        let arenas = StoredArenas::to_keep(store);
+        let all = |document| expand(document, &arenas).map_err(ControlError::Invalid);
         let had: BTreeSet<String> = all(&document)?.runs.iter().map(ResolvedRun::key).collect();
         let request = JobRequest::of_document(longer.to_string().as_bytes(), None);
         let mut longer = self.new_job(all(&longer)?, request)?;
@@ -108,8 +108,8 @@ impl Scheduler {
             "name": format!("{short} with {more} more epochs"),
             "base": spec,
         });
-        let expanded =
-            expand(&document, &StoredArenas::new(store)).map_err(ControlError::Invalid)?;
+        let arenas = StoredArenas::to_keep(store);
+        let expanded = expand(&document, &arenas).map_err(ControlError::Invalid)?;
         let request = JobRequest::of_document(document.to_string().as_bytes(), None);
         let runs = expanded.runs.clone();
         let longer = self.new_job(expanded, request)?;

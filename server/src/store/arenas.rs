@@ -28,6 +28,26 @@ pub enum ArenaDeletion {
         /// How many.
         runs: u64,
     },
+    /// A job with it is being made.
+    Lent,
+}
+
+/// An uploaded arena that cannot be deleted as long as this is there.
+pub struct LentArena<'a> {
+    store: &'a Store,
+    name: String,
+}
+
+impl Drop for LentArena<'_> {
+    fn drop(&mut self) {
+        let mut lent = self.store.lent_arenas.lock();
+        if let Some(times) = lent.get_mut(&self.name) {
+            *times -= 1;
+            if *times == 0 {
+                lent.remove(&self.name);
+            }
+        }
+    }
 }
 
 /// Why an arena was not stored.
@@ -115,7 +135,17 @@ impl Store {
             .collect()
     }
 
-    /// Deletes an uploaded arena that no stored run uses.
+    /// Keeps an uploaded arena, if there is one of this name, from being deleted while a job with it
+    /// is being made: the job's runs would have none, or another one of that name.
+    pub fn lend_arena(&self, name: &str) -> LentArena<'_> {
+        *self.lent_arenas.lock().entry(name.to_owned()).or_default() += 1;
+        LentArena {
+            store: self,
+            name: name.to_owned(),
+        }
+    }
+
+    /// Deletes an uploaded arena that no stored run uses, nor a job that is being made.
     ///
     /// # Errors
     /// When the database fails.
@@ -130,8 +160,14 @@ impl Store {
         if runs > 0 {
             return Ok(ArenaDeletion::InUse { runs });
         }
+        // Nobody is lent it until it is gone.
+        let lent = self.lent_arenas.lock();
+        if lent.contains_key(name) {
+            return Ok(ArenaDeletion::Lent);
+        }
         let deleted = transaction.execute("DELETE FROM arenas WHERE name = ?1", [name])?;
         transaction.commit()?;
+        drop(lent);
         Ok(if deleted > 0 {
             ArenaDeletion::Deleted
         } else {

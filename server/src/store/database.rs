@@ -1,5 +1,6 @@
 //! The open data directory: its database, its checkpoints and its lock.
 
+use std::collections::BTreeMap;
 use std::ops::{Deref, DerefMut};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicU64;
@@ -32,6 +33,8 @@ pub struct Store {
     pub(super) waiting_writers: AtomicU64,
     /// Runs of jobs that are being stored which have no row yet.
     pub(super) reserved_runs: AtomicU64,
+    /// Uploaded arenas of jobs that are being made, each as often as it is lent.
+    pub(super) lent_arenas: Mutex<BTreeMap<String, u32>>,
     pub(super) checkpoints: Checkpoints,
     pub(super) origins: Checkpoints,
     pub(super) finals: Finals,
@@ -64,6 +67,7 @@ impl Store {
             connection: Mutex::new(connection),
             waiting_writers: AtomicU64::new(0),
             reserved_runs: AtomicU64::new(0),
+            lent_arenas: Mutex::default(),
             checkpoints: Checkpoints::open(&dir.join(CHECKPOINTS))?,
             origins: Checkpoints::open(&dir.join(ORIGINS))?,
             finals: Finals::open(&dir.join(FINALS))?,

@@ -34,7 +34,7 @@ mod runs;
 mod sql;
 mod state;
 
-pub use arenas::{ArenaDeletion, SaveArenaError, StoredArena};
+pub use arenas::{ArenaDeletion, LentArena, SaveArenaError, StoredArena};
 pub use backup::backup;
 pub use check::{Checked, check};
 pub use checkpoints::{Checkpoint, CheckpointError, Checkpoints};

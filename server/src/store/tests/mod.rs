@@ -256,6 +256,12 @@ fn an_arena_in_use_stays() {
         ArenaDeletion::InUse { runs: 1 }
     );
     store.delete_job(job).unwrap();
+    // A job that is being made of it would have none, or another one of that name.
+    let lent = [store.lend_arena("mine"), store.lend_arena("mine")];
+    for lent in lent {
+        assert_eq!(store.delete_arena("mine").unwrap(), ArenaDeletion::Lent);
+        drop(lent);
+    }
     assert_eq!(store.delete_arena("mine").unwrap(), ArenaDeletion::Deleted);
     assert_eq!(store.delete_arena("mine").unwrap(), ArenaDeletion::Unknown);
 }
