@@ -77,6 +77,44 @@ fn many_heavy_documents_at_once_cost_the_memory_of_a_few_and_shut_nobody_out() {
 }
 
 #[test]
+fn many_looks_at_a_run_with_a_large_spec_cost_the_memory_of_a_few() {
+    let home = tempfile::tempdir().unwrap();
+    let server = Server::start(home.path());
+    // 10 MB of walls, read again for each look.
+    let posted = server.submit(&json!({
+        "base": {
+            "arena": {
+                "name": "large", "width_m": 50, "height_m": 50,
+                "generate": { "kind": "maze", "seed": 1 }
+            },
+            "controller": { "method": "brownian" }, "epochs": 1, "steps_per_epoch": 1
+        }
+    }));
+    let small = server.submit(&job(small_spec(), 1));
+    server.wait_for(&posted);
+    server.wait_for(&small);
+    let path = format!("/v1/runs/{}/curve", server.only_run(&posted).id);
+    let (mut most_bytes, mut quickest) = (0.0_f64, Duration::MAX);
+    let statuses: Vec<u16> = std::thread::scope(|scope| {
+        let look = || Client::new(server.url()).get(&path).status;
+        let clients: Vec<_> = (0..CLIENTS).map(|_| scope.spawn(look)).collect();
+        while !clients.iter().all(|client| client.is_finished()) {
+            let start = Instant::now();
+            let summary = format!("/v1/jobs/{}/summary", small.id);
+            assert_eq!(Client::new(server.url()).get(&summary).status, 200);
+            quickest = quickest.min(start.elapsed());
+            most_bytes = most_bytes.max(resident_bytes(&server));
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        clients.into_iter().map(|c| c.join().unwrap()).collect()
+    });
+    assert!(quickest < Duration::from_millis(500), "{quickest:?}");
+    assert!(most_bytes < MOST_BYTES, "{most_bytes}");
+    assert!(statuses.iter().all(|status| [200, 503].contains(status)));
+    assert!(statuses.contains(&200), "{statuses:?}");
+}
+
+#[test]
 fn a_text_that_would_take_a_hundred_times_its_length_is_refused_early() {
     let home = tempfile::tempdir().unwrap();
     let server = Server::start(home.path());

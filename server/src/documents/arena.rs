@@ -140,8 +140,9 @@ impl<'a> Arenas<'a> {
     }
 }
 
+/// Walls and starts, and objects, which are twice as long to write out.
 fn parts_of(arena: &Arena) -> usize {
-    arena.walls().len() + arena.starts().len()
+    arena.walls().len() + arena.starts().len() + 2 * arena.objects().len()
 }
 
 fn too_many_shown() -> FieldError {
@@ -149,8 +150,9 @@ fn too_many_shown() -> FieldError {
         "",
         "the job's combinations write out too many walls",
         format!(
-            "at most {MAX_SHOWN_PARTS} walls and starts, counted for each combination of the \
-             matrix; an arena that was uploaded can be named instead of written out"
+            "at most {MAX_SHOWN_PARTS} walls and starts, an object for two, counted for each \
+             combination of the matrix; an arena that was uploaded can be named instead of \
+             written out"
         ),
     )
 }

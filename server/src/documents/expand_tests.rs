@@ -207,6 +207,48 @@ fn walls_that_many_combinations_write_out_are_bounded() {
 }
 
 #[test]
+fn objects_that_many_combinations_write_out_are_bounded() {
+    let discs = (0..100).map(|number| {
+        let (x, y) = (number % 10, number / 10);
+        json!({
+            "kind": "disc", "radius_m": 0.01,
+            "x_m": 0.2 + 0.05 * f64::from(x), "y_m": 0.2 + 0.05 * f64::from(y)
+        })
+    });
+    let arena = json!({
+        "name": "discs", "width_m": 1, "height_m": 1, "walls_m": [],
+        "starts": [{ "x_m": 0.1, "y_m": 0.1, "heading_rad": 0 }],
+        "objects": discs.collect::<Vec<_>>()
+    });
+    let job = |combinations: u32| {
+        let epochs: Vec<u32> = (1..=combinations).collect();
+        let controller = json!({ "method": "brownian" });
+        let base = json!({ "arena": arena, "engine": "rapier", "controller": controller });
+        json!({ "base": base, "matrix": { "epochs": epochs } })
+    };
+    assert_eq!(expand(&job(10), &BuiltinArenas).unwrap().runs.len(), 10);
+    let errors = expand(&job(2_600), &BuiltinArenas).unwrap_err();
+    assert!(errors[0].message.contains("write out"), "{errors:?}");
+}
+
+/// Each name of a path made an object in the one before: thousands of them overflowed the stack.
+#[test]
+fn a_path_of_many_names_is_refused() {
+    for names in [17, 2_000] {
+        let path = vec!["a"; names].join(".");
+        for path in [
+            path.clone(),
+            format!("arena.{path}"),
+            format!("epochs+{path}"),
+        ] {
+            let job = json!({ "matrix": { path: [1] } });
+            let errors = expand(&job, &BuiltinArenas).unwrap_err();
+            assert_eq!(errors[0].message, "is no dotted path", "{errors:?}");
+        }
+    }
+}
+
+#[test]
 fn walls_that_the_parts_of_a_job_write_out_are_bounded_together() {
     let job = |parts: u32| {
         let part = |number: u32| {

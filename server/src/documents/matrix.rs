@@ -7,6 +7,9 @@ use serde_json::{Map, Value};
 
 use super::fields::{Errors, join, kind};
 
+/// Most names of a dotted path: no field is as deep.
+const MOST_NAMES: usize = 16;
+
 /// One axis: a place in the run spec and the values to put there, or several places that vary
 /// together (`robots+arena.tile`), each value a list with one entry a place.
 #[derive(Debug)]
@@ -87,15 +90,15 @@ pub fn axes<'a>(matrix: &'a Value, errors: &mut Errors) -> Option<Vec<Axis<'a>>>
 
 fn axis<'a>(path: &'a str, values: &'a Value, errors: &mut Errors) -> Option<Axis<'a>> {
     let place = join("/matrix", path);
-    let targets: Vec<Target<'a>> = path.split('+').map(target).collect();
-    if targets
-        .iter()
-        .any(|target| target.path.split('.').any(str::is_empty))
-    {
+    let is_wrong = |path: &str| {
+        path.split('.').any(str::is_empty) || path.split('.').nth(MOST_NAMES).is_some()
+    };
+    if path.split('+').any(is_wrong) {
         let allowed = "such as controller.alpha, or robots+arena.tile for two that vary together";
         errors.add(place, "is no dotted path", allowed);
         return None;
     }
+    let targets: Vec<Target<'a>> = path.split('+').map(target).collect();
     if targets.iter().any(|target| target.path == "seed") {
         errors.add(place, "seeds are no axis", "the job's field seeds");
         return None;

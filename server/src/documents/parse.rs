@@ -17,6 +17,8 @@ const MAX_DEPTH: usize = 64;
 /// that is more. Small objects take a hundred times as much as their text, those of arenas thirty.
 const MAX_READ_BYTES: usize = 128 << 20;
 const MAX_READ_TIMES: usize = 32;
+/// Longest key.
+const MAX_KEY_BYTES: usize = 4_096;
 /// What a value, a list, an object and a key of one take.
 const VALUE_BYTES: usize = 32;
 const LIST_BYTES: usize = 96;
@@ -162,10 +164,20 @@ impl<'de> Visitor<'de> for Node<'_> {
         let mut map = Map::new();
         while let Some(name) = object.next_key::<String>()? {
             self.0.take(KEY_BYTES)?;
+            if name.len() > MAX_KEY_BYTES {
+                return Err(serde::de::Error::custom(format!(
+                    "a key of {} bytes, more than {MAX_KEY_BYTES}",
+                    name.len()
+                )));
+            }
             let value = object.next_value_seed(self.inside(name.clone())?)?;
             self.0.path.pop();
             if map.contains_key(&name) {
-                let pointer = self.0.pointer(&name);
+                // Those that are only counted need none.
+                let pointer = match self.0.twice.is_full() {
+                    true => String::new(),
+                    false => self.0.pointer(&name),
+                };
                 let message = format!("the key {name:?} stands in its object twice");
                 self.0.twice.add(pointer, message, "each key once");
             }
@@ -208,6 +220,19 @@ mod tests {
         assert_eq!(
             pointers(r#"{"a": [0, {"b/": 1, "b/": 1}], "c": {"d": 1, "d": 2, "d": 3}}"#),
             ["/a/1/b~1", "/c/d", "/c/d"]
+        );
+    }
+
+    /// The place of each was put together, however long and however many they were.
+    #[test]
+    fn many_keys_that_stand_twice_are_no_work() {
+        let twice = vec![r#""a":1"#; 200_000].join(",");
+        let text = |key: usize| format!("{{\"{}\":{{{twice}}}}}", "k".repeat(key));
+        assert_eq!(parse(&text(4_096)).unwrap_err().len(), 101);
+        let errors = parse(&text(4_097)).unwrap_err();
+        assert!(
+            errors[0].message.contains("a key of 4097 bytes"),
+            "{errors:?}"
         );
     }
 

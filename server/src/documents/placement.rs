@@ -12,8 +12,9 @@ use super::domains::{Choice, Flag};
 use super::fields::{Errors, Object, field_error};
 use super::resolved::ResolvedRun;
 
-/// Robots that are placed to check a job, at least; combinations beyond show when their runs begin.
-const ENOUGH_ROBOTS: u64 = 1_000_000;
+/// Robots that are placed to check a job, and walls that are looked at for that, at least;
+/// combinations beyond show when their runs begin.
+const ENOUGH_PARTS: u64 = 1_000_000;
 /// Wrong combinations after which no more are looked for.
 const ENOUGH_ERRORS: usize = 100;
 
@@ -89,10 +90,11 @@ pub fn misfits(runs: &[ResolvedRun], seed: u64) -> Vec<(usize, api::FieldError)>
         group.sort_by_key(|&(place, robots)| (std::cmp::Reverse(robots), place));
         for same in group.chunk_by(|(_, one), (_, other)| one == other) {
             let (first, robots) = same[0];
-            if placed >= ENOUGH_ROBOTS || misfits.len() >= ENOUGH_ERRORS {
+            if placed >= ENOUGH_PARTS || misfits.len() >= ENOUGH_ERRORS {
                 return misfits;
             }
-            placed += u64::from(robots);
+            let walls = runs[first].common_spec().arena.walls().len();
+            placed += u64::from(robots) + walls as u64;
             match check_placement(&runs[first].with_seed(seed).run_spec()) {
                 Ok(()) => break,
                 Err(error) => {

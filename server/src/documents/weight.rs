@@ -1,27 +1,45 @@
-//! Which documents are work, as far as can be told before it is done.
+//! Which documents are much work, as far as can be told before it is done.
 
 use serde_json::Value;
 
+use super::arena::{ArenaSource, BuiltinArenas};
 use super::expand::run_count;
 
-/// More runs than this are work.
+/// More runs than this are much work ...
 const MANY_RUNS: u64 = 1_000;
+/// ... and so are fewer that have so much text together.
+const MUCH_TEXT_BYTES: u64 = 1 << 20;
 /// Fields of arenas that are short to say and long to write out.
 const SHORT_FOR_MANY: [&str; 2] = ["generate", "tile"];
+/// Fields that name arenas.
+const NAMES_ARENA: [&str; 2] = ["arena", "from"];
 
-/// Whether making what a document says may take much memory or time however short it is: it has
-/// walls made or repeated, or makes many runs.
-pub fn is_heavy(document: &Value) -> bool {
-    has_short_for_many(document) || run_count(document) > MANY_RUNS
+/// Whether making what a document of so many bytes says may take much memory or time however short
+/// it is: it makes many runs, has walls made or repeated, or names an arena that was uploaded.
+pub fn is_heavy(document: &Value, bytes: usize) -> bool {
+    let runs = run_count(document);
+    runs > MANY_RUNS || runs.saturating_mul(bytes as u64) > MUCH_TEXT_BYTES || has_large(document)
 }
 
-/// In a field's name or in the path of an axis.
-fn has_short_for_many(value: &Value) -> bool {
+/// In a field, or where the path of an axis leads.
+fn has_large(value: &Value) -> bool {
     match value {
         Value::Object(fields) => fields.iter().any(|(name, value)| {
-            SHORT_FOR_MANY.iter().any(|field| name.contains(field)) || has_short_for_many(value)
+            let last = |path: &str| NAMES_ARENA.iter().any(|field| path.ends_with(field));
+            SHORT_FOR_MANY.iter().any(|field| name.contains(field))
+                || name.split('+').any(last) && names_uploaded(value)
+                || has_large(value)
         }),
-        Value::Array(values) => values.iter().any(has_short_for_many),
+        Value::Array(values) => values.iter().any(has_large),
+        _ => false,
+    }
+}
+
+/// Whether a value, or one of a list of values or of lists of them, is no built-in arena's name.
+fn names_uploaded(value: &Value) -> bool {
+    match value {
+        Value::String(name) => BuiltinArenas.arena(name).is_none(),
+        Value::Array(values) => values.iter().any(names_uploaded),
         _ => false,
     }
 }
@@ -41,15 +59,20 @@ mod tests {
             json!({ "matrix": { "arena.tile+robots": [] } }),
             json!({ "parts": [{ "matrix": { "arena": [{ "tile": [1, 2] }] } }] }),
             json!({ "seeds": { "count": 1_001 } }),
+            json!({ "base": { "arena": "mine" } }),
+            json!({ "base": { "arena": { "from": "mine" } } }),
+            json!({ "matrix": { "arena+robots": [["easy", 1], ["mine", 2]] } }),
+            json!({ "matrix": { "controller.train.arena": ["mine"] } }),
         ] {
-            assert!(is_heavy(&heavy), "{heavy}");
+            assert!(is_heavy(&heavy, 100), "{heavy}");
         }
-        for light in [
-            json!({}),
-            json!(["easy"]),
-            json!({ "base": { "arena": "easy" }, "seeds": { "count": 1_000 } }),
-        ] {
-            assert!(!is_heavy(&light), "{light}");
+        let light = json!({
+            "base": { "arena": "easy", "controller": { "method": "im" } },
+            "matrix": { "arena": ["easy", "maze"] }, "seeds": { "count": 500 }
+        });
+        for light in [json!({}), json!(["easy"]), light.clone()] {
+            assert!(!is_heavy(&light, 100), "{light}");
         }
+        assert!(is_heavy(&light, 2_000));
     }
 }

@@ -6,6 +6,7 @@ use arenas::Squares;
 
 use super::groups::run_at;
 use super::{Assembler, FindingsError};
+use crate::asked::is_given_up;
 use crate::store::JobView;
 use crate::summary::comparison::{ComparisonError, DEFAULT_MEASURE, sets};
 use crate::summary::curves::{MOST_GROUPS, MOST_RUNS};
@@ -38,6 +39,9 @@ impl Assembler {
         }
         let mut sums = Sums::default();
         for &(place, _) in &set.places {
+            if is_given_up() {
+                return Err(FindingsError::GivenUp);
+            }
             let Some(run) = run_at(&runs, place) else {
                 continue;
             };

@@ -4,7 +4,8 @@ use api::curves::JobCurves;
 
 use super::groups::run_at;
 use super::{Assembler, FindingsError};
-use crate::store::{JobView, StoreError};
+use crate::asked::is_given_up;
+use crate::store::JobView;
 use crate::summary::curves::{CurvesError, Wanted, curves};
 
 impl Assembler {
@@ -24,7 +25,10 @@ impl Assembler {
             "p10" => row.p10,
             _ => row.p1,
         };
-        let curve = |place: u64| -> Result<Vec<f64>, StoreError> {
+        let curve = |place: u64| -> Result<Vec<f64>, FindingsError> {
+            if is_given_up() {
+                return Err(FindingsError::GivenUp);
+            }
             let run = run_at(&runs, place);
             let findings = run
                 .map(|run| self.store.findings(run.seq))
@@ -45,7 +49,7 @@ impl Assembler {
         curves(&input, wanted, epochs, curve).map_err(|error| match error {
             CurvesError::Groups(error) => error.into(),
             CurvesError::Runs(runs) => FindingsError::TooManyRuns(runs),
-            CurvesError::Curve(error) => error.into(),
+            CurvesError::Curve(error) => error,
         })
     }
 }

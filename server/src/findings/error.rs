@@ -5,6 +5,7 @@ use api::State;
 use crate::store::{CheckpointError, JobKey, StoreError};
 use crate::summary::comparison::ComparisonError;
 use crate::summary::curves::MOST_RUNS;
+use crate::turns::Busy;
 
 /// Why there is nothing to show.
 #[derive(Debug, thiserror::Error)]
@@ -38,6 +39,12 @@ pub enum FindingsError {
     /// Curves are pooled of fewer.
     #[error("the job has {0} finished runs; curves are pooled of at most {MOST_RUNS}")]
     TooManyRuns(usize),
+    /// It is much work, and others wait for that already.
+    #[error(transparent)]
+    Busy(#[from] Busy),
+    /// Nobody waits for it any more.
+    #[error("the client is gone")]
+    GivenUp,
     /// What is stored does not fit together.
     #[error("stored data of {what} cannot be used: {why}")]
     Broken {

@@ -19,12 +19,15 @@ use kept::Kept;
 
 use crate::scheduler::Scheduler;
 use crate::store::Store;
+use crate::turns::Turns;
 
 /// Assembles what has been found.
 pub struct Assembler {
     store: Arc<Store>,
     scheduler: Arc<Scheduler>,
     kept: Kept,
+    /// Turns of reading large specs.
+    large_specs: Turns,
 }
 
 impl Assembler {
@@ -34,6 +37,7 @@ impl Assembler {
             store,
             scheduler,
             kept: Kept::default(),
+            large_specs: Turns::default(),
         }
     }
 }

@@ -12,6 +12,7 @@ use crate::artifacts::{Maker, Material, RunFile};
 use crate::documents::{ResolvedRun, complete, resolve_stored};
 use crate::scheduler::{StoredArenas, View};
 use crate::store::{Findings, RunState, RunView};
+use crate::turns::LARGE_TEXT_BYTES;
 
 /// A file at one moment.
 #[derive(Debug)]
@@ -126,8 +127,19 @@ impl Assembler {
     /// The run's spec, resolved again.
     ///
     /// # Errors
-    /// When the run is gone, or its spec is not valid any more.
+    /// When the run is gone, or its spec is not valid any more; `Busy` when many large ones are
+    /// wanted.
     pub fn resolved(&self, run: &RunView) -> Result<ResolvedRun, FindingsError> {
+        let large = self.store.spec_bytes(run.seq)? > LARGE_TEXT_BYTES as u64;
+        let _turn = large.then(|| self.large_specs.take()).transpose()?;
+        self.resolved_at_once(run)
+    }
+
+    /// As [`Self::resolved`], without a turn for a large one.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn resolved_at_once(&self, run: &RunView) -> Result<ResolvedRun, FindingsError> {
         resolve_stored(&self.spec_text(run)?, &StoredArenas::new(&self.store))
             .map_err(|errors| FindingsError::broken(format!("run {}", run.id), told(&errors)))
     }

@@ -13,13 +13,13 @@ use tokio::sync::Semaphore;
 use super::metrics::Metrics;
 use super::refusal::Refusal;
 use super::table_lengths::Lengths;
-use super::turns::Turns;
 use crate::asked::Asked;
 use crate::events::Hub;
 use crate::findings::{Assembler, views};
 use crate::recording::Maker;
 use crate::scheduler::Scheduler;
 use crate::store::{JobKey, JobView, RunView, Store};
+use crate::turns::Turns;
 
 /// What handlers share.
 #[derive(Clone)]
@@ -32,9 +32,9 @@ pub(super) struct App {
     pub(super) metrics: Arc<Metrics>,
     /// Recordings that are made afterwards.
     pub(super) recordings: Arc<Maker>,
-    /// Turns of heavy documents, and of pooling many runs.
-    pub(super) turns: Arc<Turns>,
-    pub(super) pooling: Arc<Turns>,
+    /// Turns of documents that are much work, and of pooling many runs.
+    pub(super) turns: Turns,
+    pub(super) pooling: Turns,
     /// Places for tables that are being made.
     pub(super) exports: Arc<Semaphore>,
     /// How long tables are that were made.

@@ -106,7 +106,7 @@ async fn create(
 ) -> Result<Response, Refusal> {
     said_to_be_json(&headers)?;
     app.blocking(move |app| {
-        let document = app.turns.read(&body)?;
+        let document = app.read(&body)?;
         let arena = read_arena(&document).map_err(Refusal::fields)?;
         let name = arena.name().to_owned();
         if name == GENERATE {
@@ -144,7 +144,7 @@ async fn generate(
 ) -> Result<Response, Refusal> {
     said_to_be_json(&headers)?;
     app.blocking(move |app| {
-        let document = app.turns.read(&body)?;
+        let document = app.read(&body)?;
         let arena = read_arena(&document).map_err(Refusal::fields)?;
         Ok(([(CONTENT_TYPE, JSON)], text(&arena)?).into_response())
     })

@@ -145,7 +145,7 @@ async fn ask(
 ) -> Result<Response, Refusal> {
     said_to_be_json(&headers)?;
     app.blocking(move |app| {
-        let document = app.turns.read(&body)?;
+        let document = app.read(&body)?;
         let spec = app.findings.resolved(&run)?;
         let (wish, is_new) = app.recordings.ask(&run, &spec, &document)?;
         let shown = Json(app.recordings.summary(&run.id, &wish));

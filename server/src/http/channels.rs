@@ -85,7 +85,7 @@ async fn ask(
 ) -> Result<Json<Vec<ChannelDescription>>, Refusal> {
     said_to_be_json(&headers)?;
     app.blocking(move |app| {
-        let document = app.turns.read(&body)?;
+        let document = app.read(&body)?;
         let set = asked_channels(&document).map_err(Refusal::fields)?;
         let state = run.state.state();
         if state.is_final() {

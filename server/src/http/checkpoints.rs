@@ -129,8 +129,8 @@ async fn fork_run(
 ) -> Result<Response, Refusal> {
     said_to_be_json(&headers)?;
     app.blocking(move |app| {
-        let document = app.turns.read(&body)?;
-        let wanted = fork(&document).map_err(Refusal::fields)?;
+        let wanted = fork(&*app.read(&body)?).map_err(Refusal::fields)?;
+        let _turn = app.turn_for_spec(&run)?;
         app.created(app.scheduler.fork_run(&run, &wanted)?)
     })
     .await

@@ -61,7 +61,7 @@ async fn arena(
 ) -> Result<Json<ArenaCheck>, Refusal> {
     said_to_be_json(&headers)?;
     app.blocking(move |app| {
-        let document = app.turns.read(&body)?;
+        let document = app.read(&body)?;
         let arena = read_arena(&document).map_err(Refusal::fields)?;
         Ok(Json(checked(&arena)))
     })
@@ -117,7 +117,7 @@ async fn job(
     said_to_be_json(&headers)?;
     app.blocking(move |app| {
         let arenas = StoredArenas::new(&app.store);
-        let document = app.turns.read(&body)?;
+        let document = app.read(&body)?;
         let job = expand(&document, &arenas).map_err(Refusal::fields)?;
         let limits = &app.scheduler.config().recordings;
         limits.check_job(&job.runs).map_err(Refusal::fields)?;

@@ -111,7 +111,7 @@ async fn comparison(
 async fn compared(app: App, job: JobView, query: &Query) -> Result<Comparison, Refusal> {
     let (measure, by) = (query.text(&MEASURE)?, query.text(&BY)?);
     app.blocking(move |app| {
-        let _turn = app.pooling.to_pool(&job)?;
+        let _turn = app.turn_to_pool(&job)?;
         let measure = measure.as_deref().unwrap_or(DEFAULT_MEASURE);
         Ok(app.findings.comparison(&job, measure, by.as_deref())?)
     })
@@ -138,7 +138,7 @@ async fn curves(
                 .unwrap_or(usize::MAX),
             runs,
         };
-        let _turn = app.pooling.to_pool(&job)?;
+        let _turn = app.turn_to_pool(&job)?;
         Ok(Json(app.findings.curves(&job, wanted)?))
     })
     .await
@@ -155,7 +155,7 @@ async fn coverage(
         .number(&GROUP)?
         .and_then(|group| group.try_into().ok());
     app.blocking(move |app| {
-        let _turn = app.pooling.to_pool(&job)?;
+        let _turn = app.turn_to_pool(&job)?;
         let group = group.unwrap_or(0);
         Ok(Json(app.findings.group_coverage(
             &job,

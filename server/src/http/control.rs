@@ -243,6 +243,7 @@ async fn extend_run(
     said_to_be_json(&headers)?;
     app.blocking(move |app| {
         let epochs = number(app, &body, "epochs", (1, i64::from(MAX_MORE_EPOCHS)))?;
+        let _turn = app.turn_for_spec(&run)?;
         app.created(app.scheduler.extend_run(&run, epochs as u32)?)
     })
     .await
@@ -278,7 +279,7 @@ async fn log(State(app): State<App>, FoundRun(run): FoundRun) -> Result<Json<Run
 
 /// The one field of a small document.
 fn number(app: &App, body: &[u8], field: &str, range: (i64, i64)) -> Result<i64, Refusal> {
-    let document = app.turns.read(body)?;
+    let document = app.read(body)?;
     one_number(&document, field, range).map_err(Refusal::fields)
 }
 

@@ -67,7 +67,7 @@ async fn show(
     let (job, tag) = app
         .blocking(move |app| {
             // The tag is one of all of the job's runs.
-            let _turn = app.pooling.to_pool(&job)?;
+            let _turn = app.turn_to_pool(&job)?;
             exports::check(&app.store, &job, table)?;
             let tag = exports::tag(&app.store, &job, table, form)?;
             Ok((job, tag))

@@ -71,7 +71,7 @@ pub fn routes() -> Routes {
         let show =
             async move |State(app): State<App>, FoundJob(job)| -> Result<Response, Refusal> {
                 app.blocking(move |app| {
-                    let _turn = app.pooling.to_pool(&job)?;
+                    let _turn = app.turn_to_pool(&job)?;
                     let report = app.findings.report(&job)?;
                     let text = text(&report).to_owned();
                     Ok(([(CONTENT_TYPE, media_type)], text).into_response())
@@ -102,7 +102,7 @@ async fn summary(
 /// The summary of a job. Of runs that covered far too little it is found out why, one after the
 /// other, when nobody waits for anything else.
 fn summarised(app: &App, job: &JobView) -> Result<JobSummary, Refusal> {
-    let _turn = app.pooling.to_pool(job)?;
+    let _turn = app.turn_to_pool(job)?;
     let summary = app.findings.summary(job)?;
     let few = summary.odd_runs.iter().take(MOST_EXPLAINED);
     let unknown = few.filter(|run| run.explanation.is_none() && run.score.is_some_and(|z| z < 0.0));

@@ -114,7 +114,7 @@ async fn create(
     let idempotency_key = idempotency_key(&headers)?;
     app.blocking(move |app| {
         let arenas = StoredArenas::to_keep(&app.store);
-        let document = app.turns.read(&body)?;
+        let document = app.read(&body)?;
         let request = JobRequest::of_document(&body, idempotency_key);
         // A job for which there is no room, or that is stored already, need not be expanded.
         let earlier = app.scheduler.admit(&request, run_count(&document))?;

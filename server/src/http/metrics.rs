@@ -11,8 +11,8 @@ use prometheus_client::metrics::histogram::{Histogram, exponential_buckets};
 use prometheus_client::registry::Registry;
 
 use super::connections::open_connections;
-use super::memory::resident_bytes;
 use super::refusal::Refusal;
+use crate::memory::resident_bytes;
 use crate::scheduler::{Counters, Scheduler};
 use crate::store::Store;
 

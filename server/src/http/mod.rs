@@ -28,7 +28,6 @@ mod job_findings;
 mod jobs;
 mod learning;
 mod listen;
-mod memory;
 mod metrics;
 mod openapi;
 mod operation;

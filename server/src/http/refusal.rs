@@ -112,6 +112,8 @@ impl From<FindingsError> for Refusal {
             FindingsError::Broken { .. } | FindingsError::Checkpoint(_) => {
                 return Self::damaged(&error);
             }
+            FindingsError::Busy(busy) => return busy.into(),
+            FindingsError::GivenUp => ProblemCode::Overloaded,
             FindingsError::Store(error) => return error.into(),
         };
         Self::new(code, error.to_string())

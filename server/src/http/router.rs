@@ -14,6 +14,7 @@ use crate::findings::Assembler;
 use crate::recording::{Maker, Settings};
 use crate::scheduler::Scheduler;
 use crate::store::{RunView, Store};
+use crate::turns::Turns;
 
 use super::access::Tokens;
 use super::app::App;
@@ -66,7 +67,11 @@ fn recordings(store: &Arc<Store>, scheduler: &Arc<Scheduler>, findings: &Arc<Ass
         run_memory_bytes: config.run_memory_bytes,
     };
     let findings = Arc::clone(findings);
-    let spec_of = move |run: &RunView| findings.resolved(run).map_err(|error| error.to_string());
+    let spec_of = move |run: &RunView| {
+        findings
+            .resolved_at_once(run)
+            .map_err(|error| error.to_string())
+    };
     Maker::start(Arc::clone(store), Box::new(spec_of), settings)
 }
 
@@ -79,8 +84,8 @@ pub fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, tokens: Tokens) -> R
         recordings: Arc::new(recordings(&store, &scheduler, &findings)),
         findings,
         events: Hub::start(Arc::clone(&store), Arc::clone(&scheduler)),
-        turns: Arc::default(),
-        pooling: Arc::default(),
+        turns: Turns::default(),
+        pooling: Turns::default(),
         exports: exports::places(),
         lengths: Arc::default(),
         viewers: Arc::new(Semaphore::new(watching::MAX_VIEWERS)),

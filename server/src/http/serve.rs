@@ -13,9 +13,9 @@ use tokio::time::MissedTickBehavior;
 
 use super::access::Tokens;
 use super::listen::listen;
-use super::memory::give_back;
 use super::router::router;
 use crate::channels::{ChannelSettings, Cleaner};
+use crate::memory::give_back;
 use crate::recording::Limits;
 use crate::runner::default_run_memory_bytes;
 use crate::scheduler::{Keep, Scheduler, SchedulerConfig};

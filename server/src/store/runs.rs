@@ -314,6 +314,19 @@ impl Store {
             .optional()?)
     }
 
+    /// Bytes of the resolved spec of a run; 0 when there is no such run.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn spec_bytes(&self, run: RunKey) -> Result<u64, StoreError> {
+        let bytes = self
+            .reader()
+            .prepare_cached("SELECT octet_length(spec) FROM runs WHERE seq = ?1")?
+            .query_row([run], |row| row.get(0))
+            .optional()?;
+        Ok(bytes.map_or(0, from_sql))
+    }
+
     /// Every run of a job, in order; the database is not held from beginning to end.
     ///
     /// # Errors
