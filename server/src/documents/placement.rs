@@ -94,7 +94,7 @@ pub fn misfits(runs: &[ResolvedRun], seed: u64) -> Vec<(usize, api::FieldError)>
                 return misfits;
             }
             let walls = runs[first].common_spec().arena.walls().len();
-            placed += u64::from(robots) + walls as u64;
+            placed += u64::from(robots) + 2 * walls as u64;
             match check_placement(&runs[first].with_seed(seed).run_spec()) {
                 Ok(()) => break,
                 Err(error) => {
