@@ -11,12 +11,12 @@ use std::time::Duration;
 use rusqlite::config::DbConfig;
 use rusqlite::{Connection, OpenFlags};
 
-/// Requests that read at a time, twice as many as tables are made; more wait for these, each a few
+/// Requests that read at a time, more than tables are made; others wait for these, each a few
 /// milliseconds.
-const READERS: usize = 8;
+const READERS: usize = 6;
 
 /// Most memory for pages of each, KiB.
-const CACHE_KIB: i64 = 8 << 10;
+const CACHE_KIB: i64 = 16 << 10;
 
 /// What every connection has.
 pub(super) fn set_up(connection: &Connection, cache_kib: i64) -> rusqlite::Result<()> {
