@@ -2,7 +2,6 @@
 
 use serde_json::Value;
 
-use super::arena::{ArenaSource, BuiltinArenas};
 use super::expand::run_count;
 
 /// More runs than this are much work ...
@@ -15,31 +14,33 @@ const SHORT_FOR_MANY: [&str; 2] = ["generate", "tile"];
 const NAMES_ARENA: [&str; 2] = ["arena", "from"];
 
 /// Whether making what a document of so many bytes says may take much memory or time however short
-/// it is: it makes many runs, has walls made or repeated, or names an arena that was uploaded.
-pub fn is_heavy(document: &Value, bytes: usize) -> bool {
+/// it is: it makes many runs, has walls made or repeated, or names an arena that is large.
+pub fn is_heavy(document: &Value, bytes: usize, is_large: &dyn Fn(&str) -> bool) -> bool {
     let runs = run_count(document);
-    runs > MANY_RUNS || runs.saturating_mul(bytes as u64) > MUCH_TEXT_BYTES || has_large(document)
+    runs > MANY_RUNS
+        || runs.saturating_mul(bytes as u64) > MUCH_TEXT_BYTES
+        || has_large(document, is_large)
 }
 
 /// In a field, or where the path of an axis leads.
-fn has_large(value: &Value) -> bool {
+fn has_large(value: &Value, is_large: &dyn Fn(&str) -> bool) -> bool {
     match value {
         Value::Object(fields) => fields.iter().any(|(name, value)| {
             let last = |path: &str| NAMES_ARENA.iter().any(|field| path.ends_with(field));
             SHORT_FOR_MANY.iter().any(|field| name.contains(field))
-                || name.split('+').any(last) && names_uploaded(value)
-                || has_large(value)
+                || name.split('+').any(last) && names_large(value, is_large)
+                || has_large(value, is_large)
         }),
-        Value::Array(values) => values.iter().any(has_large),
+        Value::Array(values) => values.iter().any(|value| has_large(value, is_large)),
         _ => false,
     }
 }
 
-/// Whether a value, or one of a list of values or of lists of them, is no built-in arena's name.
-fn names_uploaded(value: &Value) -> bool {
+/// Whether a value, or one of a list of values or of lists of them, is a large arena's name.
+fn names_large(value: &Value, is_large: &dyn Fn(&str) -> bool) -> bool {
     match value {
-        Value::String(name) => BuiltinArenas.arena(name).is_none(),
-        Value::Array(values) => values.iter().any(names_uploaded),
+        Value::String(name) => is_large(name),
+        Value::Array(values) => values.iter().any(|value| names_large(value, is_large)),
         _ => false,
     }
 }
@@ -52,6 +53,7 @@ mod tests {
 
     #[test]
     fn what_is_short_for_much_is_heavy() {
+        let is_heavy = |document: &Value, bytes| is_heavy(document, bytes, &|name| name == "mine");
         let generated = json!({ "kind": "maze", "seed": 1 });
         for heavy in [
             json!({ "generate": generated }),
@@ -68,7 +70,7 @@ mod tests {
         }
         let light = json!({
             "base": { "arena": "easy", "controller": { "method": "im" } },
-            "matrix": { "arena": ["easy", "maze"] }, "seeds": { "count": 500 }
+            "matrix": { "arena": ["easy", "small"] }, "seeds": { "count": 500 }
         });
         for light in [json!({}), json!(["easy"]), light.clone()] {
             assert!(!is_heavy(&light, 100), "{light}");

@@ -138,7 +138,7 @@ async fn curves(
                 .unwrap_or(usize::MAX),
             runs,
         };
-        let _turn = app.turn_to_pool(&job)?;
+        let _turn = app.turn_to_lay_over(&job)?;
         Ok(Json(app.findings.curves(&job, wanted)?))
     })
     .await
@@ -155,7 +155,7 @@ async fn coverage(
         .number(&GROUP)?
         .and_then(|group| group.try_into().ok());
     app.blocking(move |app| {
-        let _turn = app.turn_to_pool(&job)?;
+        let _turn = app.turn_to_lay_over(&job)?;
         let group = group.unwrap_or(0);
         Ok(Json(app.findings.group_coverage(
             &job,

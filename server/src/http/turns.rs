@@ -12,8 +12,10 @@ use crate::documents::is_heavy;
 use crate::store::{JobView, RunView};
 use crate::turns::{Busy, LARGE_TEXT_BYTES, Turn};
 
-/// Pooling more runs than this is much work.
-const MANY_RUNS: u64 = 100;
+/// Pooling the results of more runs than this is much work ...
+const MANY_RUNS: u64 = 1_000;
+/// ... and so are their curves and where they went.
+const MANY_FINDINGS: u64 = 100;
 
 /// A document that was read, with its turn if it is much work.
 pub struct Document {
@@ -45,10 +47,19 @@ impl App {
         let large = large.then(|| self.turns.take()).transpose()?;
         let value = parse(body)?;
         let turn = match large {
-            None if is_heavy(&value, body.len()) => Some(self.turns.take()?),
+            None if is_heavy(&value, body.len(), &|name| self.is_large(name)) => {
+                Some(self.turns.take()?)
+            }
             turn => turn,
         };
         Ok(Document { value, _turn: turn })
+    }
+
+    /// Whether this is the name of a large uploaded arena. One that cannot be looked at is not one,
+    /// which whoever reads it is told.
+    fn is_large(&self, arena: &str) -> bool {
+        let bytes = self.store.arena_bytes(arena);
+        bytes.is_ok_and(|bytes| bytes > LARGE_TEXT_BYTES as u64)
     }
 
     /// A turn to pool the runs of this job, if they are many.
@@ -57,6 +68,15 @@ impl App {
     /// 503 when there is none.
     pub(super) fn turn_to_pool(&self, job: &JobView) -> Result<Option<Turn>, Refusal> {
         let many = job.counts.total > MANY_RUNS;
+        Ok(many.then(|| self.pooling.take()).transpose()?)
+    }
+
+    /// The same where each run's curve or squares are read.
+    ///
+    /// # Errors
+    /// As there.
+    pub(super) fn turn_to_lay_over(&self, job: &JobView) -> Result<Option<Turn>, Refusal> {
+        let many = job.counts.total > MANY_FINDINGS;
         Ok(many.then(|| self.pooling.take()).transpose()?)
     }
 

@@ -113,6 +113,19 @@ impl Store {
             .optional()?)
     }
 
+    /// Bytes of an uploaded arena; 0 when there is none of this name.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn arena_bytes(&self, name: &str) -> Result<u64, StoreError> {
+        let bytes = self
+            .reader()
+            .prepare_cached("SELECT octet_length(body) FROM arenas WHERE name = ?1")?
+            .query_row([name], |row| row.get(0))
+            .optional()?;
+        Ok(bytes.map_or(0, from_sql))
+    }
+
     /// The figures of every uploaded arena, by name.
     ///
     /// # Errors
