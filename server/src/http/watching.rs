@@ -15,7 +15,7 @@ use tokio::sync::OwnedSemaphorePermit;
 
 use super::App;
 use super::checks::rows;
-use super::extract::FoundRun;
+use super::extract::{FoundRun, RunId};
 use super::operation::{JSON, Operation, Shape};
 use super::query::{Parameter, Query};
 use super::refusal::Refusal;
@@ -155,16 +155,13 @@ impl Watching {
                     () = &mut silent => return Some(hello()),
                 }
             };
-            let Viewer { frames, squares } = viewer;
-            let shown = tokio::select! {
-                shown = squares.changed() => shown.map(|()| squares.borrow_and_update().clone()),
-                shown = frames.changed() => shown.map(|()| frames.borrow_and_update().clone()),
+            tokio::select! {
+                shown = viewer.next() => match shown {
+                    Some(message) => return Some(message),
+                    // The worker has let the run go.
+                    None => self.viewer = None,
+                },
                 () = &mut silent => return Some(hello()),
-            };
-            match shown {
-                Ok(message) => return Some(message),
-                // The worker has let the run go.
-                Err(_) => self.viewer = None,
             }
         }
     }
@@ -186,13 +183,9 @@ impl Watching {
 }
 
 /// `GET /v1/runs/{id}/arena`.
-async fn arena(
-    State(app): State<App>,
-    FoundRun(run): FoundRun,
-    query: Query,
-) -> Result<Response, Refusal> {
+async fn arena(State(app): State<App>, id: RunId, query: Query) -> Result<Response, Refusal> {
     let trains = query.word(&OF)? == Some("training");
-    app.blocking(move |app| {
+    app.with_run(id, move |app, run| {
         let spec = app.findings.resolved(&run)?.run_spec();
         let training = spec.controller.training.as_ref().filter(|_| trains);
         let arena = training.map_or(&spec.arena, |training| &training.arena);
@@ -203,8 +196,8 @@ async fn arena(
 }
 
 /// `GET /v1/runs/{id}/reach`.
-async fn reach(State(app): State<App>, FoundRun(run): FoundRun) -> Result<Json<Reach>, Refusal> {
-    app.blocking(move |app| {
+async fn reach(State(app): State<App>, id: RunId) -> Result<Json<Reach>, Refusal> {
+    app.with_run(id, move |app, run| {
         let spec = app.findings.resolved(&run)?;
         let mask = app.findings.mask(spec.arena(), spec.body_radius_m());
         let mask = mask.as_deref().unwrap_or_default();

@@ -52,10 +52,22 @@ pub struct Window {
 
 /// Who looks at a run.
 pub struct Viewer {
-    /// Robots and objects; empty before the first.
-    pub frames: watch::Receiver<Bytes>,
-    /// What was covered; empty before the first.
-    pub squares: watch::Receiver<Bytes>,
+    /// Robots and objects.
+    frames: watch::Receiver<Bytes>,
+    /// What was covered.
+    squares: watch::Receiver<Bytes>,
+}
+
+impl Viewer {
+    /// The next picture; `None` when the worker has let the run go and both last ones were seen.
+    pub async fn next(&mut self) -> Option<Bytes> {
+        let Self { frames, squares } = self;
+        tokio::select! {
+            Ok(()) = squares.changed() => Some(squares.borrow_and_update().clone()),
+            Ok(()) = frames.changed() => Some(frames.borrow_and_update().clone()),
+            else => None,
+        }
+    }
 }
 
 impl Window {
@@ -106,5 +118,26 @@ impl Window {
         self.questions
             .lock()
             .unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn both_last_pictures_of_a_run_that_is_let_go_are_seen() {
+        // Which of the two is looked at first is left to chance.
+        for _ in 0..64 {
+            let window = Window::default();
+            let mut viewer = window.look();
+            window.frames.send_replace(Bytes::from_static(b"robots"));
+            window.squares.send_replace(Bytes::from_static(b"squares"));
+            drop(window);
+            let mut seen = [viewer.next().await, viewer.next().await];
+            seen.sort();
+            assert_eq!(seen, [Some("robots".into()), Some("squares".into())]);
+            assert_eq!(viewer.next().await, None);
+        }
     }
 }
