@@ -7,7 +7,7 @@ use api::events::{Event, JobGone, StateChange};
 use api::{Job, WaitsFor};
 use tokio::time::Instant;
 
-use super::hub::{Hub, Place, TooManyListeners};
+use super::hub::{Hub, Latest, Place, TooManyListeners};
 use crate::artifacts::{curve_row, metrics_json};
 use crate::findings::views;
 use crate::scheduler::View;
@@ -90,7 +90,7 @@ impl Feed {
         heard: Option<u64>,
     ) -> Result<Self, TooManyListeners> {
         let mut place = hub.place()?;
-        place.newest.mark_changed();
+        place.latest.mark_changed();
         Ok(Self {
             state: Some(State {
                 hub: Arc::clone(hub),
@@ -115,17 +115,33 @@ impl Feed {
     pub async fn next(&mut self) -> Option<Vec<Told>> {
         loop {
             let is_behind = self.state.as_ref()?.is_behind;
+            let mut is_due = true;
             if let Some(looked) = self.looked.filter(|_| !is_behind) {
                 tokio::select! {
-                    changed = self.place.newest.changed() => changed.ok()?,
+                    changed = self.place.latest.changed() => {
+                        changed.ok()?;
+                        is_due = false;
+                    }
                     () = tokio::time::sleep_until(looked + PROGRESS_EVERY) => {}
                 }
             }
-            if self.state.as_ref()?.hub.scheduler.is_stopping() {
+            let state = self.state.as_mut()?;
+            if state.hub.scheduler.is_stopping() {
                 return None;
             }
-            let newest = *self.place.newest.borrow_and_update();
+            let latest = self.place.latest.borrow_and_update().clone();
+            let newest = latest.newest;
+            let is_nothing = state.passes(&latest);
+            if is_nothing && !is_due {
+                continue;
+            }
             self.looked = Some(Instant::now());
+            if is_nothing && let Some(told) = state.glance() {
+                if told.is_empty() {
+                    continue;
+                }
+                return Some(told);
+            }
             let mut state = self.state.take()?;
             let look =
                 tokio::task::spawn_blocking(move || state.look(newest).map(|told| (state, told)));
@@ -146,6 +162,36 @@ impl Feed {
 }
 
 impl State {
+    /// Whether none of the latest changes is of what is listened to; they are behind it then.
+    fn passes(&mut self, latest: &Latest) -> bool {
+        let heard = self.after.filter(|_| !self.comes_back);
+        let passed = heard.filter(|heard| latest.is_nothing_to(self.subject, *heard));
+        if let Some(heard) = passed {
+            self.after = Some(heard.max(latest.newest));
+        }
+        passed.is_some()
+    }
+
+    /// What is new where no change is, if that can be said without the store: most of those who
+    /// listen to a job look at what one of them has read.
+    fn glance(&mut self) -> Option<Vec<Told>> {
+        let Subject::Job(key) = self.subject else {
+            return None;
+        };
+        let job = self.hub.kept_job(key)?;
+        Some(self.tell_job(job, None).into_iter().collect())
+    }
+
+    /// The job, if it is not what was told last.
+    fn tell_job(&mut self, job: Job, id: Option<u64>) -> Option<Told> {
+        if id.is_none() && self.job.as_ref() == Some(&job) {
+            return None;
+        }
+        self.job = Some(job.clone());
+        let event = Event::Job(Box::new(job));
+        Some(Told { id, event })
+    }
+
     /// What is new, where `newest` is the number of the newest change that is known of; `None` when
     /// the subject is gone.
     fn look(&mut self, newest: u64) -> Result<Option<Vec<Told>>, StoreError> {
@@ -172,11 +218,7 @@ impl State {
                 let Some(job) = self.hub.job(key)? else {
                     return Ok(None);
                 };
-                if id.is_some() || self.job.as_ref() != Some(&job) {
-                    self.job = Some(job.clone());
-                    let event = Event::Job(Box::new(job));
-                    told.push(Told { id, event });
-                }
+                told.extend(self.tell_job(job, id));
                 true
             }
             Subject::All => {

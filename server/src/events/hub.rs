@@ -1,8 +1,8 @@
 //! Where listeners come from: how many there may be, and the thread that looks for changes while
 //! there are any.
 
-use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Arc, Mutex, PoisonError, TryLockError, Weak};
 use std::time::{Duration, Instant};
 
 use api::Job;
@@ -12,7 +12,7 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore, watch};
 use super::board::{Board, Jobs};
 use crate::findings::views;
 use crate::scheduler::Scheduler;
-use crate::store::{JobKey, JobMark, Store, StoreError};
+use crate::store::{JobKey, JobMark, Store, StoreError, Subject};
 
 /// Most listeners at once.
 pub const MAX_LISTENERS: usize = 512;
@@ -28,10 +28,37 @@ const MAX_JOBS_KEPT: usize = 1_024;
 #[error("{MAX_LISTENERS} listeners to events are there already, and no more may be")]
 pub struct TooManyListeners;
 
+/// What the last look for changes found.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Latest {
+    /// Number of the newest change ...
+    pub newest: u64,
+    /// ... and of the newest of the look before.
+    before: u64,
+    /// Whom those between the two concern; `None` for everyone.
+    concerned: Option<Arc<BTreeSet<Subject>>>,
+}
+
+impl Latest {
+    /// Whether someone who has heard of all changes up to this one has missed none.
+    pub fn is_nothing_to(&self, subject: Subject, heard: u64) -> bool {
+        let concerns = |concerned: &Arc<BTreeSet<Subject>>| match subject {
+            Subject::All => true,
+            Subject::Job(_) | Subject::Run(_) => concerned.contains(&subject),
+        };
+        heard >= self.newest
+            || heard >= self.before
+                && self
+                    .concerned
+                    .as_ref()
+                    .is_some_and(|concerned| !concerns(concerned))
+    }
+}
+
 /// A listener's place; free again when it is dropped.
 pub(super) struct Place {
-    /// Number of the newest change.
-    pub newest: watch::Receiver<u64>,
+    /// What the last look for changes found.
+    pub latest: watch::Receiver<Latest>,
     _held: OwnedSemaphorePermit,
 }
 
@@ -40,7 +67,7 @@ pub struct Hub {
     pub(super) store: Arc<Store>,
     pub(super) scheduler: Arc<Scheduler>,
     places: Arc<Semaphore>,
-    newest: watch::Sender<u64>,
+    latest: watch::Sender<Latest>,
     jobs: Mutex<BTreeMap<JobKey, (Instant, Job)>>,
     board: Mutex<Board>,
 }
@@ -52,7 +79,7 @@ impl Hub {
             store,
             scheduler,
             places: Arc::new(Semaphore::new(MAX_LISTENERS)),
-            newest: watch::Sender::new(0),
+            latest: watch::Sender::default(),
             jobs: Mutex::default(),
             board: Mutex::default(),
         });
@@ -66,7 +93,7 @@ impl Hub {
         hub
     }
 
-    /// A place for a listener, and the number of the newest change from now on.
+    /// A place for a listener, who hears of changes from now on.
     ///
     /// # Errors
     /// When there are too many.
@@ -74,11 +101,22 @@ impl Hub {
         let held = Arc::clone(&self.places)
             .try_acquire_owned()
             .map_err(|_| TooManyListeners)?;
-        let newest = self.newest.subscribe();
+        let latest = self.latest.subscribe();
         Ok(Place {
-            newest,
+            latest,
             _held: held,
         })
+    }
+
+    /// The job as it was a moment ago, if somebody looked at it then, without waiting for anybody.
+    pub(super) fn kept_job(&self, key: JobKey) -> Option<Job> {
+        let jobs = match self.jobs.try_lock() {
+            Ok(jobs) => jobs,
+            Err(TryLockError::Poisoned(jobs)) => jobs.into_inner(),
+            Err(TryLockError::WouldBlock) => return None,
+        };
+        let (at, job) = jobs.get(&key)?;
+        (at.elapsed() < JOB_KEPT).then(|| job.clone())
     }
 
     /// The job as it is, or was a moment ago; `None` when it is gone.
@@ -117,6 +155,23 @@ impl Hub {
     }
 }
 
+impl Hub {
+    /// Looks for changes, and says so where there are any.
+    fn look(&self) -> Result<(), StoreError> {
+        let before = self.latest.borrow().newest;
+        let newest = self.store.newest_change()?;
+        if newest != before {
+            let concerned = self.store.concerned(before, newest)?;
+            self.latest.send_replace(Latest {
+                newest,
+                before,
+                concerned: concerned.map(Arc::new),
+            });
+        }
+        Ok(())
+    }
+}
+
 impl Jobs for Hub {
     fn newest_change(&self) -> Result<u64, StoreError> {
         self.store.newest_change()
@@ -137,20 +192,40 @@ fn look_for_changes(hub: &Weak<Hub>) {
     loop {
         std::thread::sleep(LOOK_EVERY);
         let Some(hub) = hub.upgrade() else { return };
-        if hub.newest.receiver_count() == 0 {
+        if hub.latest.receiver_count() == 0 {
             continue;
         }
-        match hub.store.newest_change() {
-            Ok(newest) => {
-                complained = false;
-                hub.newest
-                    .send_if_modified(|known| std::mem::replace(known, newest) != newest);
-            }
+        match hub.look() {
+            Ok(()) => complained = false,
             Err(error) if complained => tracing::debug!(%error, "no look for changes"),
             Err(error) => {
                 complained = true;
                 tracing::warn!(%error, "changes cannot be looked for; listeners wait");
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn who_has_missed_no_change_of_theirs_need_not_look() {
+        let [mine, other] = [1, 2].map(|key| Subject::Job(JobKey(key)));
+        let latest = Latest {
+            newest: 20,
+            before: 10,
+            concerned: Some(Arc::new([mine].into())),
+        };
+        assert!(!latest.is_nothing_to(mine, 10) && latest.is_nothing_to(mine, 20));
+        // Before the look before, there may have been something.
+        assert!(latest.is_nothing_to(other, 10) && !latest.is_nothing_to(other, 9));
+        assert!(!latest.is_nothing_to(Subject::All, 10));
+        let of_many = Latest {
+            concerned: None,
+            ..latest
+        };
+        assert!(!of_many.is_nothing_to(other, 10));
     }
 }

@@ -1,6 +1,8 @@
 //! Changes of state, numbered in the order in which they were stored. Triggers keep the list, in
 //! the transaction of each change; see `migrations/9_events.sql`.
 
+use std::collections::BTreeSet;
+
 use api::State;
 use rusqlite::params;
 
@@ -9,9 +11,11 @@ use super::{Store, StoreError, from_sql, to_sql};
 
 /// Most changes of one look.
 const MOST: u32 = 500;
+/// Most pairs of run and job of one look at whom changes concern.
+const MOST_CONCERNED: usize = 2_000;
 
 /// Of which changes somebody wants to hear.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Subject {
     /// Of all.
     All,
@@ -69,6 +73,29 @@ impl Store {
             .reader()
             .prepare_cached("SELECT coalesce(max(id), 0) FROM changes")?
             .query_row([], |row| row.get(0).map(from_sql))?)
+    }
+
+    /// The runs and jobs that changes from the one number, without it, to the other are of, with
+    /// every job of those runs; `None` for too many.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn concerned(&self, after: u64, to: u64) -> Result<Option<BTreeSet<Subject>>, StoreError> {
+        let reader = self.reader();
+        let mut pairs = reader.prepare_cached(
+            "SELECT changes.run, coalesce(changes.job, job_runs.job)
+             FROM changes LEFT JOIN job_runs ON job_runs.run = changes.run
+             WHERE changes.id > ?1 AND changes.id <= ?2 LIMIT ?3",
+        )?;
+        let most = to_sql(MOST_CONCERNED as u64);
+        let mut rows = pairs.query(params![to_sql(after), to_sql(to), most])?;
+        let (mut concerned, mut count) = (BTreeSet::new(), 0);
+        while let Some(row) = rows.next()? {
+            count += 1;
+            concerned.extend(row.get::<_, Option<RunKey>>(0)?.map(Subject::Run));
+            concerned.extend(row.get::<_, Option<JobKey>>(1)?.map(Subject::Job));
+        }
+        Ok((count < MOST_CONCERNED).then_some(concerned))
     }
 
     /// Changes since a number, in order.
@@ -256,6 +283,34 @@ mod tests {
             ["run 1 running", "run 1 done"]
         );
         assert_eq!(told(Subject::Job(JobKey(7))), [""; 0]);
+    }
+
+    #[test]
+    fn changes_concern_a_run_and_each_job_that_has_it() {
+        let dir = tempfile::tempdir().unwrap();
+        let store = Store::open(dir.path()).unwrap();
+        change(&store, 1, "running");
+        change(&store, 2, "running");
+        let sql = "INSERT INTO jobs (seq, name, request_sha256) VALUES (7, '', ''), (8, '', '');
+            INSERT INTO job_runs (job, ordinal, run) VALUES (7, 0, 1), (8, 0, 1), (8, 1, 2)";
+        store.connection().execute_batch(sql).unwrap();
+        change(&store, 1, "queued");
+        store
+            .connection()
+            .execute("UPDATE jobs SET intent = 'paused' WHERE seq = 7", [])
+            .unwrap();
+        let concerned = |after, to| store.concerned(after, to).unwrap().unwrap();
+        let [job, other] = [7, 8].map(|key| Subject::Job(JobKey(key)));
+        let [run, second] = [1, 2].map(|key| Subject::Run(RunKey(key)));
+        assert_eq!(concerned(2, 3), [job, other, run].into());
+        assert_eq!(concerned(3, 4), [job].into());
+        assert_eq!(concerned(1, 2), [other, second].into());
+        assert_eq!(concerned(4, 4), [].into());
+        for _ in 0..MOST_CONCERNED / 4 {
+            change(&store, 1, "running");
+            change(&store, 1, "queued");
+        }
+        assert_eq!(store.concerned(0, u64::MAX).unwrap(), None);
     }
 
     #[test]
