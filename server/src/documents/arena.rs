@@ -117,18 +117,15 @@ impl<'a> Arenas<'a> {
             *parts += parts_of(&found.arena);
             Ok(found)
         });
-        let shown_parts = match outcome {
-            Ok(found) => self.shown_parts + found.shown_parts,
-            Err(_) => 0,
-        };
         let wrong = match outcome {
-            // One arena is let through however large: it has limits of its own.
-            Ok(_) if self.shown_parts > 0 && shown_parts > MAX_SHOWN_PARTS => {
-                &vec![too_many_shown()]
-            }
             Ok(found) => {
-                self.shown_parts = shown_parts;
-                return Some(found.clone());
+                let shown_parts = self.shown_parts + found.shown_parts;
+                // One arena is let through however large: it has limits of its own.
+                if self.shown_parts == 0 || shown_parts <= MAX_SHOWN_PARTS {
+                    self.shown_parts = shown_parts;
+                    return Some(found.clone());
+                }
+                &vec![too_many_shown()]
             }
             Err(wrong) => wrong,
         };

@@ -1,6 +1,5 @@
 //! A job: the product of a matrix over a base run and of seeds; or several such parts.
 
-use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 use api::FieldError;
@@ -9,7 +8,7 @@ use serde_json::{Map, Value};
 use super::arena::{ArenaSource, Arenas};
 use super::design::{Design, in_part};
 use super::domains::{SCHEMA_LINK, Whole};
-use super::fields::{Errors, Object, did_you_mean, join, kind};
+use super::fields::{Errors, Object, join, kind};
 use super::labels::labels;
 use super::limits::MAX_SEED;
 use super::matrix::{Axis, Target, axes, combination, place_of};
@@ -18,7 +17,7 @@ use super::parts::{Part, parts};
 use super::placement::misfits;
 use super::resolve::{VERSION, resolve_with};
 use super::resolved::ResolvedRun;
-use super::templates::prepared;
+use super::templates::with_template;
 use crate::asked::is_given_up;
 
 /// Most runs of a job.
@@ -170,51 +169,6 @@ fn together(
         }
     }
     Some(all)
-}
-
-/// The job, or the template that it names with the job's own fields in place of the template's.
-pub(super) fn with_template<'a>(job: &'a Value, errors: &mut Errors) -> Cow<'a, Value> {
-    let Some((map, wanted)) = job
-        .as_object()
-        .and_then(|map| Some((map, map.get("template")?)))
-    else {
-        return Cow::Borrowed(job);
-    };
-    let templates = prepared();
-    let names = templates.each_ref().map(|(name, ..)| *name);
-    let message = match wanted {
-        Value::String(name) => match templates.iter().find(|(known, ..)| known == name) {
-            Some((_, _, job)) => {
-                let mut merged = job.clone();
-                if let Some(fields) = merged.as_object_mut() {
-                    fields.insert("name".to_owned(), Value::from(name.as_str()));
-                    // Either of them says what varies.
-                    if map.contains_key("matrix") || map.contains_key("parts") {
-                        fields.remove("matrix");
-                        fields.remove("parts");
-                    }
-                    // Seeds are those of all parts.
-                    let parts = fields.get_mut("parts").and_then(Value::as_array_mut);
-                    for part in parts
-                        .into_iter()
-                        .flatten()
-                        .filter(|_| map.contains_key("seeds"))
-                    {
-                        part.as_object_mut().map(|part| part.remove("seeds"));
-                    }
-                    fields.extend(map.clone());
-                }
-                return Cow::Owned(merged);
-            }
-            None => format!(
-                "there is no template {name:?}{}",
-                did_you_mean(name, &names)
-            ),
-        },
-        _ => format!("must be a string, not {}", kind(wanted)),
-    };
-    errors.add("/template", message, names.join(", "));
-    Cow::Borrowed(job)
 }
 
 /// A job without parts.

@@ -2,8 +2,8 @@
 
 use serde_json::{Value, json};
 
-use super::expand::with_template;
 use super::fields::Errors;
+use super::templates::with_template;
 
 /// The document, which is a valid one, with so many more seeds wherever it has some; those are the
 /// ones that follow the largest.

@@ -57,6 +57,8 @@ pub use templates::{
 pub use weight::is_heavy;
 
 #[cfg(test)]
+mod expand_bounds_tests;
+#[cfg(test)]
 mod expand_tests;
 #[cfg(test)]
 mod experiments_tests;

@@ -1,7 +1,11 @@
 //! Prepared jobs, by name.
 
+use std::borrow::Cow;
+
 use serde_json::{Value, json};
 use swarm::spec::EngineKind;
+
+use super::fields::{Errors, did_you_mean, kind};
 
 /// Name of the template of [`chapter_5`].
 pub const CHAPTER_5: &str = "chapter-5";
@@ -86,4 +90,49 @@ pub(super) fn prepared() -> [(&'static str, &'static str, Value); 2] {
             chapter_5(&ARENAS, json!({}), 15, 5),
         ),
     ]
+}
+
+/// The job, or the template that it names with the job's own fields in place of the template's.
+pub(super) fn with_template<'a>(job: &'a Value, errors: &mut Errors) -> Cow<'a, Value> {
+    let Some((map, wanted)) = job
+        .as_object()
+        .and_then(|map| Some((map, map.get("template")?)))
+    else {
+        return Cow::Borrowed(job);
+    };
+    let templates = prepared();
+    let names = templates.each_ref().map(|(name, ..)| *name);
+    let message = match wanted {
+        Value::String(name) => match templates.iter().find(|(known, ..)| known == name) {
+            Some((_, _, job)) => {
+                let mut merged = job.clone();
+                if let Some(fields) = merged.as_object_mut() {
+                    fields.insert("name".to_owned(), Value::from(name.as_str()));
+                    // Either of them says what varies.
+                    if map.contains_key("matrix") || map.contains_key("parts") {
+                        fields.remove("matrix");
+                        fields.remove("parts");
+                    }
+                    // Seeds are those of all parts.
+                    let parts = fields.get_mut("parts").and_then(Value::as_array_mut);
+                    for part in parts
+                        .into_iter()
+                        .flatten()
+                        .filter(|_| map.contains_key("seeds"))
+                    {
+                        part.as_object_mut().map(|part| part.remove("seeds"));
+                    }
+                    fields.extend(map.clone());
+                }
+                return Cow::Owned(merged);
+            }
+            None => format!(
+                "there is no template {name:?}{}",
+                did_you_mean(name, &names)
+            ),
+        },
+        _ => format!("must be a string, not {}", kind(wanted)),
+    };
+    errors.add("/template", message, names.join(", "));
+    Cow::Borrowed(job)
 }

@@ -78,23 +78,7 @@ mod tests {
     fn an_arena_stays_while_a_job_is_made_of_it() {
         let dir = tempfile::tempdir().unwrap();
         let store = Store::open(dir.path()).unwrap();
-        let body = r#"{"name": "mine", "width_m": 1, "height_m": 1, "walls_m": [],
-            "starts": [{"x_m": 0.5, "y_m": 0.5, "heading_rad": 0}]}"#;
-        let listing = api::ArenaListing {
-            name: "mine".to_owned(),
-            builtin: false,
-            width_m: 1.0,
-            height_m: 1.0,
-            walls: 0,
-            starts: 1,
-            squares: api::Squares::Side(100),
-            reachable: 9_000,
-        };
-        let arena = StoredArena {
-            name: "mine".to_owned(),
-            body: body.to_owned(),
-            listing,
-        };
+        let arena = StoredArena::example();
         let kept = StoredArenas::to_keep(&store);
         for deletion in [ArenaDeletion::Lent, ArenaDeletion::Deleted] {
             store.save_arena(&arena, 1).unwrap();

@@ -16,6 +16,29 @@ pub struct StoredArena {
     pub listing: ArenaListing,
 }
 
+#[cfg(test)]
+impl StoredArena {
+    /// An empty square of a metre, by the name `mine`.
+    pub fn example() -> Self {
+        let body = r#"{"name": "mine", "width_m": 1, "height_m": 1, "walls_m": [],
+            "starts": [{"x_m": 0.5, "y_m": 0.5, "heading_rad": 0}]}"#;
+        Self {
+            name: "mine".to_owned(),
+            body: body.to_owned(),
+            listing: ArenaListing {
+                name: "mine".to_owned(),
+                builtin: false,
+                width_m: 1.0,
+                height_m: 1.0,
+                walls: 0,
+                starts: 1,
+                squares: api::Squares::Side(100),
+                reachable: 9_000,
+            },
+        }
+    }
+}
+
 /// What became of an arena to be deleted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ArenaDeletion {

@@ -204,21 +204,7 @@ fn unfinished_runs_of_another_results_version_start_again() {
 fn an_arena_in_use_stays() {
     let dir = tempfile::tempdir().unwrap();
     let store = open(dir.path());
-    let listing = api::ArenaListing {
-        name: "mine".to_owned(),
-        builtin: false,
-        width_m: 1.0,
-        height_m: 1.0,
-        walls: 0,
-        starts: 1,
-        squares: api::Squares::Side(100),
-        reachable: 9_000,
-    };
-    let arena = StoredArena {
-        name: "mine".to_owned(),
-        body: "{}".to_owned(),
-        listing,
-    };
+    let arena = StoredArena::example();
     assert!(store.save_arena(&arena, 1).unwrap());
     assert!(!store.save_arena(&arena, 1).unwrap());
     let changed = StoredArena {
@@ -238,7 +224,7 @@ fn an_arena_in_use_stays() {
         Err(SaveArenaError::Full(1))
     ));
     assert_eq!(store.arenas().unwrap(), [arena.listing]);
-    assert_eq!(store.arena("mine").unwrap().as_deref(), Some("{}"));
+    assert_eq!(store.arena("mine").unwrap(), Some(arena.body));
 
     let uses = NewRun {
         uploaded_arenas: vec!["mine".to_owned(); 2],
