@@ -2,10 +2,12 @@
 //! a few, give it back, and shut nobody else out.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+use std::io::Write;
+use std::net::TcpStream;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use serde_json::json;
+use serde_json::{Value, json};
 use tests::http::Client;
 use tests::server::Server;
 use tests::{job, small_spec, wait};
@@ -76,12 +78,9 @@ fn many_heavy_documents_at_once_cost_the_memory_of_a_few_and_shut_nobody_out() {
     });
 }
 
-#[test]
-fn many_looks_at_a_run_with_a_large_spec_cost_the_memory_of_a_few() {
-    let home = tempfile::tempdir().unwrap();
-    let server = Server::start(home.path());
-    // 10 MB of walls, read again for each look.
-    let posted = server.submit(&json!({
+/// A job of one run with 10 MB of walls.
+fn large() -> Value {
+    json!({
         "base": {
             "arena": {
                 "name": "large", "width_m": 50, "height_m": 50,
@@ -89,7 +88,46 @@ fn many_looks_at_a_run_with_a_large_spec_cost_the_memory_of_a_few() {
             },
             "controller": { "method": "brownian" }, "epochs": 1, "steps_per_epoch": 1
         }
-    }));
+    })
+}
+
+#[test]
+fn answers_that_nobody_reads_cost_the_memory_of_some_and_shut_nobody_out() {
+    let home = tempfile::tempdir().unwrap();
+    let server = Server::start(home.path());
+    let posted = server.submit(&large());
+    server.wait_for(&posted);
+    let path = format!("/v1/runs/{}/spec", server.only_run(&posted).id);
+    let address = server.url().strip_prefix("http://").unwrap();
+    let request = format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    let mut most_bytes = 0.0_f64;
+    let mut unread = Vec::new();
+    for _ in 0..100 {
+        let mut stream = TcpStream::connect(address).unwrap();
+        stream.write_all(request.as_bytes()).unwrap();
+        unread.push(stream);
+        most_bytes = most_bytes.max(resident_bytes(&server));
+    }
+    let start = Instant::now();
+    assert_eq!(server.get("/v1/jobs").status, 200);
+    assert!(start.elapsed() < Duration::from_secs(2), "{start:?}");
+    // Those that are still make room, so that others are answered.
+    let part = [("range", "bytes=0-7999999")];
+    let length = wait::until("an answer", || {
+        most_bytes = most_bytes.max(resident_bytes(&server));
+        let answer = server.send("GET", &path, &part, b"");
+        (answer.status == 206).then(|| answer.text().len())
+    });
+    assert_eq!(length, 8_000_000);
+    assert!(most_bytes < MOST_BYTES, "{most_bytes}");
+}
+
+#[test]
+fn many_looks_at_a_run_with_a_large_spec_cost_the_memory_of_a_few() {
+    let home = tempfile::tempdir().unwrap();
+    let server = Server::start(home.path());
+    // Read again for each look.
+    let posted = server.submit(&large());
     let small = server.submit(&job(small_spec(), 1));
     server.wait_for(&posted);
     server.wait_for(&small);

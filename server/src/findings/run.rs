@@ -124,13 +124,21 @@ impl Assembler {
         Ok(complete(text, &StoredArenas::new(&self.store)))
     }
 
+    /// Whether the run's spec is so large that what is made of it takes turns.
+    ///
+    /// # Errors
+    /// When the store fails.
+    pub fn has_large_spec(&self, run: &RunView) -> Result<bool, FindingsError> {
+        Ok(self.store.spec_bytes(run.seq)? > LARGE_TEXT_BYTES as u64)
+    }
+
     /// The run's spec, resolved again.
     ///
     /// # Errors
     /// When the run is gone, or its spec is not valid any more; `Busy` when many large ones are
     /// wanted.
     pub fn resolved(&self, run: &RunView) -> Result<ResolvedRun, FindingsError> {
-        let large = self.store.spec_bytes(run.seq)? > LARGE_TEXT_BYTES as u64;
+        let large = self.has_large_spec(run)?;
         let _turn = large.then(|| self.large_specs.take()).transpose()?;
         self.resolved_at_once(run)
     }

@@ -16,7 +16,7 @@ use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 
 use super::App;
-use super::extract::FoundRun;
+use super::extract::RunId;
 use super::operation::{Operation, Shape};
 use super::query::Query;
 use super::recordings::{MCAP, MEDIA_TYPE, SLICE, as_mcap, cut, table, whole};
@@ -124,11 +124,8 @@ fn paths(app: &App, run: &RunView, name: &str) -> Result<Paths, Refusal> {
 }
 
 /// `GET /v1/runs/{id}/recordings`.
-async fn list(
-    State(app): State<App>,
-    FoundRun(run): FoundRun,
-) -> Result<Json<RecordingList>, Refusal> {
-    app.blocking(move |app| {
+async fn list(State(app): State<App>, id: RunId) -> Result<Json<RecordingList>, Refusal> {
+    app.with_run(id, move |app, run| {
         let spec = app.findings.resolved(&run)?;
         let items = app.recordings.list(&run, &spec);
         Ok(Json(RecordingList { items }))
@@ -139,12 +136,12 @@ async fn list(
 /// `POST /v1/runs/{id}/recordings`.
 async fn ask(
     State(app): State<App>,
-    FoundRun(run): FoundRun,
+    id: RunId,
     headers: HeaderMap,
     body: Bytes,
 ) -> Result<Response, Refusal> {
     said_to_be_json(&headers)?;
-    app.blocking(move |app| {
+    app.with_run(id, move |app, run| {
         let document = app.read(&body)?;
         let spec = app.findings.resolved(&run)?;
         let (wish, is_new) = app.recordings.ask(&run, &spec, &document)?;

@@ -11,7 +11,7 @@ use axum::extract::State;
 use axum::http::{HeaderMap, StatusCode};
 
 use super::App;
-use super::extract::FoundRun;
+use super::extract::RunId;
 use super::operation::{Operation, Shape};
 use super::refusal::Refusal;
 use super::request::said_to_be_json;
@@ -69,22 +69,19 @@ pub fn routes() -> Routes {
 }
 
 /// `GET /v1/runs/{id}/channels`.
-async fn show(
-    State(app): State<App>,
-    FoundRun(run): FoundRun,
-) -> Result<Json<Vec<ChannelDescription>>, Refusal> {
-    app.blocking(move |app| described(app, &run)).await
+async fn show(State(app): State<App>, id: RunId) -> Result<Json<Vec<ChannelDescription>>, Refusal> {
+    app.with_run(id, move |app, run| described(app, &run)).await
 }
 
 /// `POST /v1/runs/{id}/channels`.
 async fn ask(
     State(app): State<App>,
-    FoundRun(run): FoundRun,
+    id: RunId,
     headers: HeaderMap,
     body: Bytes,
 ) -> Result<Json<Vec<ChannelDescription>>, Refusal> {
     said_to_be_json(&headers)?;
-    app.blocking(move |app| {
+    app.with_run(id, move |app, run| {
         let document = app.read(&body)?;
         let set = asked_channels(&document).map_err(Refusal::fields)?;
         let state = run.state.state();
@@ -109,8 +106,8 @@ async fn ask(
 }
 
 /// `DELETE /v1/runs/{id}/channels`.
-async fn close(State(app): State<App>, FoundRun(run): FoundRun) -> Result<StatusCode, Refusal> {
-    app.blocking(move |app| {
+async fn close(State(app): State<App>, id: RunId) -> Result<StatusCode, Refusal> {
+    app.with_run(id, move |app, run| {
         // Asking for nothing is never too much.
         drop(app.scheduler.desks().ask(&run.id, ChannelSet::default()));
         Ok(StatusCode::NO_CONTENT)

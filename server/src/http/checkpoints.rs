@@ -12,7 +12,7 @@ use axum::http::HeaderMap;
 use axum::response::Response;
 
 use super::App;
-use super::extract::FoundRun;
+use super::extract::RunId;
 use super::operation::{Operation, Shape};
 use super::partial;
 use super::refusal::Refusal;
@@ -79,10 +79,10 @@ pub fn is_upload(method: &axum::http::Method, path: &str) -> bool {
 /// `GET /v1/runs/{id}/checkpoint`.
 async fn download(
     State(app): State<App>,
-    FoundRun(run): FoundRun,
+    id: RunId,
     headers: HeaderMap,
 ) -> Result<Response, Refusal> {
-    app.blocking(move |app| {
+    app.with_run(id, move |app, run| {
         let unreadable = |error: crate::store::CheckpointError| Refusal::damaged(&error);
         let file = app.store.checkpoints().file(&run.id).map_err(unreadable)?;
         let file = match file {
@@ -100,35 +100,36 @@ async fn download(
 }
 
 /// `POST /v1/runs/{id}/checkpoint`.
-async fn take(
-    State(app): State<App>,
-    FoundRun(run): FoundRun,
-) -> Result<Json<CheckpointInfo>, Refusal> {
-    app.blocking(move |app| Ok(Json(app.scheduler.take_checkpoint(&run)?)))
-        .await
+async fn take(State(app): State<App>, id: RunId) -> Result<Json<CheckpointInfo>, Refusal> {
+    app.with_run(id, move |app, run| {
+        Ok(Json(app.scheduler.take_checkpoint(&run)?))
+    })
+    .await
 }
 
 /// `PUT /v1/runs/{id}/checkpoint`.
 async fn upload(
     State(app): State<App>,
-    FoundRun(run): FoundRun,
+    id: RunId,
     headers: HeaderMap,
     body: Bytes,
 ) -> Result<Response, Refusal> {
     said_to_be_bytes(&headers)?;
-    app.blocking(move |app| app.created(app.scheduler.upload_checkpoint(&run, &body)?))
-        .await
+    app.with_run(id, move |app, run| {
+        app.created(app.scheduler.upload_checkpoint(&run, &body)?)
+    })
+    .await
 }
 
 /// `POST /v1/runs/{id}/fork`.
 async fn fork_run(
     State(app): State<App>,
-    FoundRun(run): FoundRun,
+    id: RunId,
     headers: HeaderMap,
     body: Bytes,
 ) -> Result<Response, Refusal> {
     said_to_be_json(&headers)?;
-    app.blocking(move |app| {
+    app.with_run(id, move |app, run| {
         let wanted = fork(&*app.read(&body)?).map_err(Refusal::fields)?;
         let _turn = app.turn_for_spec(&run)?;
         app.created(app.scheduler.fork_run(&run, &wanted)?)

@@ -9,12 +9,12 @@ use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse, Response};
 
 use super::App;
-use super::extract::FoundJob;
+use super::extract::JobId;
 use super::operation::{Operation, camel};
 use super::query::{Parameter, Query};
 use super::refusal::Refusal;
 use super::routes::Routes;
-use crate::store::JobView;
+use super::turns::{MANY_FINDINGS, MANY_RUNS};
 use crate::summary::comparison::{DEFAULT_MEASURE, csv, markdown};
 use crate::summary::curves::{MEASURES, Wanted};
 
@@ -83,8 +83,8 @@ pub fn routes() -> Routes {
                 .shows::<GroupCoverage>("The coverage of what is done."),
         );
     for (end, media_type, text) in TEXTS {
-        let show = async move |State(app): State<App>, FoundJob(job), query: Query| {
-            let comparison = compared(app, job, &query).await?;
+        let show = async move |State(app): State<App>, id: JobId, query: Query| {
+            let comparison = compared(app, id, &query).await?;
             let text = text(&comparison);
             Ok::<Response, Refusal>(([(CONTENT_TYPE, media_type)], text).into_response())
         };
@@ -102,16 +102,16 @@ pub fn routes() -> Routes {
 /// `GET /v1/jobs/{id}/comparison`.
 async fn comparison(
     State(app): State<App>,
-    FoundJob(job): FoundJob,
+    id: JobId,
     query: Query,
 ) -> Result<Json<Comparison>, Refusal> {
-    Ok(Json(compared(app, job, &query).await?))
+    Ok(Json(compared(app, id, &query).await?))
 }
 
-async fn compared(app: App, job: JobView, query: &Query) -> Result<Comparison, Refusal> {
+async fn compared(app: App, id: JobId, query: &Query) -> Result<Comparison, Refusal> {
     let (measure, by) = (query.text(&MEASURE)?, query.text(&BY)?);
-    app.blocking(move |app| {
-        let _turn = app.turn_to_pool(&job)?;
+    app.with_job(id, move |app, job| {
+        let _turn = app.turn_to_pool(&job, MANY_RUNS)?;
         let measure = measure.as_deref().unwrap_or(DEFAULT_MEASURE);
         Ok(app.findings.comparison(&job, measure, by.as_deref())?)
     })
@@ -121,7 +121,7 @@ async fn compared(app: App, job: JobView, query: &Query) -> Result<Comparison, R
 /// `GET /v1/jobs/{id}/curves`.
 async fn curves(
     State(app): State<App>,
-    FoundJob(job): FoundJob,
+    id: JobId,
     query: Query,
 ) -> Result<Json<JobCurves>, Refusal> {
     let measure = query.word(&LEVEL)?.unwrap_or("p1");
@@ -129,7 +129,7 @@ async fn curves(
     let by = query.text(&BY)?;
     let points = query.number(&POINTS)?;
     let runs = query.word(&RUNS)? == Some("true");
-    app.blocking(move |app| {
+    app.with_job(id, move |app, job| {
         let wanted = Wanted {
             measure,
             by: by.as_deref(),
@@ -138,7 +138,7 @@ async fn curves(
                 .unwrap_or(usize::MAX),
             runs,
         };
-        let _turn = app.turn_to_lay_over(&job)?;
+        let _turn = app.turn_to_pool(&job, MANY_FINDINGS)?;
         Ok(Json(app.findings.curves(&job, wanted)?))
     })
     .await
@@ -147,15 +147,15 @@ async fn curves(
 /// `GET /v1/jobs/{id}/coverage`.
 async fn coverage(
     State(app): State<App>,
-    FoundJob(job): FoundJob,
+    id: JobId,
     query: Query,
 ) -> Result<Json<GroupCoverage>, Refusal> {
     let by = query.text(&BY)?;
     let group = query
         .number(&GROUP)?
         .and_then(|group| group.try_into().ok());
-    app.blocking(move |app| {
-        let _turn = app.turn_to_lay_over(&job)?;
+    app.with_job(id, move |app, job| {
+        let _turn = app.turn_to_pool(&job, MANY_FINDINGS)?;
         let group = group.unwrap_or(0);
         Ok(Json(app.findings.group_coverage(
             &job,

@@ -95,6 +95,20 @@ impl Connection {
         }
     }
 
+    /// Ends the connection.
+    pub fn close(&self) {
+        self.closed.notify_one();
+    }
+
+    /// How long nothing has been written of an answer, or read of what follows.
+    pub fn still_for(&self, at: Instant) -> Duration {
+        let (stage, since) = *lock(&self.now);
+        match stage {
+            Stage::Idle => at.saturating_duration_since(since),
+            Stage::Head | Stage::Body | Stage::Working => Duration::ZERO,
+        }
+    }
+
     /// Completes when the connection has to end.
     pub async fn closed(&self) {
         self.closed.notified().await;
@@ -167,7 +181,7 @@ impl Connections {
                 .filter_map(|(number, other)| Some((other.patience()?, *number)))
                 .min()?;
             if let Some(other) = open.remove(&number) {
-                other.closed.notify_one();
+                other.close();
             }
         }
         let number = self.next.fetch_add(1, Ordering::Relaxed);
@@ -186,7 +200,7 @@ impl Connections {
         let now = Instant::now();
         let open = lock(&self.open);
         for connection in open.values().filter(|other| other.is_overdue(now)) {
-            connection.closed.notify_one();
+            connection.close();
         }
     }
 }

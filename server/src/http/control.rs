@@ -15,7 +15,7 @@ use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 
 use super::App;
-use super::extract::{FoundJob, FoundRun};
+use super::extract::{JobId, RunId};
 use super::operation::{JSON, Operation, Shape};
 use super::refusal::Refusal;
 use super::request::said_to_be_json;
@@ -147,12 +147,12 @@ impl From<ControlError> for Refusal {
 /// `POST /v1/jobs/{id}/extend` by `{"seeds": 5}`.
 async fn extend_job(
     State(app): State<App>,
-    FoundJob(job): FoundJob,
+    id: JobId,
     headers: HeaderMap,
     body: Bytes,
 ) -> Result<Json<Job>, Refusal> {
     said_to_be_json(&headers)?;
-    on_job(app, job, move |app, job| {
+    on_job(app, id, move |app, job| {
         let more = number(app, &body, "seeds", (1, i64::from(MAX_MORE_SEEDS)))?;
         // Its document is expanded anew.
         let _turn = app.turns.take()?;
@@ -165,12 +165,12 @@ async fn extend_job(
 /// `POST /v1/jobs/{id}/priority` of `{"priority": 10}`.
 async fn priority(
     State(app): State<App>,
-    FoundJob(job): FoundJob,
+    id: JobId,
     headers: HeaderMap,
     body: Bytes,
 ) -> Result<Json<Job>, Refusal> {
     said_to_be_json(&headers)?;
-    on_job(app, job, move |app, job| {
+    on_job(app, id, move |app, job| {
         let most = i64::from(MAX_PRIORITY);
         let priority = number(app, &body, "priority", (-most, most))?;
         app.scheduler.set_priority(job.seq, priority as i32)?;
@@ -180,8 +180,8 @@ async fn priority(
 }
 
 /// `GET /v1/jobs/{id}/document`: the job as it was posted, with the seeds that it was extended by.
-async fn document(State(app): State<App>, FoundJob(job): FoundJob) -> Result<Response, Refusal> {
-    app.blocking(move |app| {
+async fn document(State(app): State<App>, id: JobId) -> Result<Response, Refusal> {
+    app.with_job(id, move |app, job| {
         let document = app.store.document(job.seq)?;
         let Some(document) = document else {
             // It may have been deleted meanwhile.
@@ -194,38 +194,29 @@ async fn document(State(app): State<App>, FoundJob(job): FoundJob) -> Result<Res
 }
 
 /// `POST /v1/runs/{id}/pause`: in every job that has it.
-async fn pause_run(
-    State(app): State<App>,
-    FoundRun(run): FoundRun,
-) -> Result<Json<RunSummary>, Refusal> {
-    on_run(app, run, |app, run| app.scheduler.pause_run(run)).await
+async fn pause_run(State(app): State<App>, id: RunId) -> Result<Json<RunSummary>, Refusal> {
+    on_run(app, id, |app, run| app.scheduler.pause_run(run)).await
 }
 
 /// `POST /v1/runs/{id}/resume`.
-async fn resume_run(
-    State(app): State<App>,
-    FoundRun(run): FoundRun,
-) -> Result<Json<RunSummary>, Refusal> {
-    on_run(app, run, |app, run| app.scheduler.resume_run(run)).await
+async fn resume_run(State(app): State<App>, id: RunId) -> Result<Json<RunSummary>, Refusal> {
+    on_run(app, id, |app, run| app.scheduler.resume_run(run)).await
 }
 
 /// `POST /v1/runs/{id}/retry`: a failed or cancelled run waits again, from its beginning.
-async fn retry_run(
-    State(app): State<App>,
-    FoundRun(run): FoundRun,
-) -> Result<Json<RunSummary>, Refusal> {
-    on_run(app, run, |app, run| app.scheduler.retry_run(run)).await
+async fn retry_run(State(app): State<App>, id: RunId) -> Result<Json<RunSummary>, Refusal> {
+    on_run(app, id, |app, run| app.scheduler.retry_run(run)).await
 }
 
 /// `POST /v1/runs/{id}/step` by `{"epochs": 3}`: a paused run does so many epochs and pauses.
 async fn step_run(
     State(app): State<App>,
-    FoundRun(run): FoundRun,
+    id: RunId,
     headers: HeaderMap,
     body: Bytes,
 ) -> Result<Json<RunSummary>, Refusal> {
     said_to_be_json(&headers)?;
-    on_run(app, run, move |app, run| {
+    on_run(app, id, move |app, run| {
         let epochs = number(app, &body, "epochs", (1, i64::from(MAX_MORE_EPOCHS)))?;
         app.scheduler.step_run(run, epochs as u32)?;
         Ok::<_, Refusal>(())
@@ -236,12 +227,12 @@ async fn step_run(
 /// `POST /v1/runs/{id}/extend` by `{"epochs": 500}`: a job with one run that does so many more.
 async fn extend_run(
     State(app): State<App>,
-    FoundRun(run): FoundRun,
+    id: RunId,
     headers: HeaderMap,
     body: Bytes,
 ) -> Result<Response, Refusal> {
     said_to_be_json(&headers)?;
-    app.blocking(move |app| {
+    app.with_run(id, move |app, run| {
         let epochs = number(app, &body, "epochs", (1, i64::from(MAX_MORE_EPOCHS)))?;
         let _turn = app.turn_for_spec(&run)?;
         app.created(app.scheduler.extend_run(&run, epochs as u32)?)
@@ -250,11 +241,8 @@ async fn extend_run(
 }
 
 /// `DELETE /v1/runs/{id}`: whatever its state, in every job that has it.
-async fn delete_run(
-    State(app): State<App>,
-    FoundRun(run): FoundRun,
-) -> Result<StatusCode, Refusal> {
-    app.blocking(move |app| {
+async fn delete_run(State(app): State<App>, id: RunId) -> Result<StatusCode, Refusal> {
+    app.with_run(id, move |app, run| {
         app.scheduler.delete_run(run.seq)?;
         Ok(StatusCode::NO_CONTENT)
     })
@@ -262,8 +250,8 @@ async fn delete_run(
 }
 
 /// `GET /v1/runs/{id}/log`: what was changed from outside.
-async fn log(State(app): State<App>, FoundRun(run): FoundRun) -> Result<Json<RunLog>, Refusal> {
-    app.blocking(move |app| {
+async fn log(State(app): State<App>, id: RunId) -> Result<Json<RunLog>, Refusal> {
+    app.with_run(id, move |app, run| {
         let entries = app.store.run_log(run.seq)?.into_iter();
         let items = entries.map(|entry| RunLogEntry {
             at: entry.at,
@@ -286,10 +274,10 @@ fn number(app: &App, body: &[u8], field: &str, range: (i64, i64)) -> Result<i64,
 /// Does something to a job and shows it as it is then.
 async fn on_job<E: Into<Refusal>>(
     app: App,
-    job: JobView,
+    id: JobId,
     change: impl FnOnce(&App, &JobView) -> Result<(), E> + Send + 'static,
 ) -> Result<Json<Job>, Refusal> {
-    app.blocking(move |app| {
+    app.with_job(id, move |app, job| {
         change(app, &job).map_err(Into::into)?;
         Ok(Json(views::job(&app.job(job.seq)?, &app.scheduler)))
     })
@@ -299,10 +287,10 @@ async fn on_job<E: Into<Refusal>>(
 /// Does something to a run and shows it as it is then.
 async fn on_run<E: Into<Refusal>>(
     app: App,
-    run: RunView,
+    id: RunId,
     change: impl FnOnce(&App, &RunView) -> Result<(), E> + Send + 'static,
 ) -> Result<Json<RunSummary>, Refusal> {
-    app.blocking(move |app| {
+    app.with_run(id, move |app, run| {
         change(app, &run).map_err(Into::into)?;
         Ok(Json(views::run(&app.run(&run.id)?, &app.scheduler)))
     })

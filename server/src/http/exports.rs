@@ -20,6 +20,7 @@ use super::partial::{Window, not_modified, part, tagged};
 use super::parts::streamed;
 use super::refusal::Refusal;
 use super::routes::Routes;
+use super::turns::MANY_RUNS;
 use crate::exports::{self, ExportError, Table};
 use crate::store::JobView;
 use crate::tables::Form;
@@ -67,7 +68,7 @@ async fn show(
     let (job, tag) = app
         .blocking(move |app| {
             // The tag is one of all of the job's runs.
-            let _turn = app.turn_to_pool(&job)?;
+            let _turn = app.turn_to_pool(&job, MANY_RUNS)?;
             exports::check(&app.store, &job, table)?;
             let tag = exports::tag(&app.store, &job, table, form)?;
             Ok((job, tag))

@@ -9,13 +9,12 @@ use serde::Serialize;
 
 use super::App;
 use super::conditional::is_known;
-use super::extract::FoundRun;
+use super::extract::RunId;
 use super::operation::{Operation, Shape, camel};
 use super::query::{Parameter, Query};
 use super::refusal::Refusal;
 use super::routes::Routes;
 use crate::artifacts::{Maker, RUN_FILES, RunFile};
-use crate::store::RunView;
 
 const POINTS: Parameter = Parameter::whole(
     "points",
@@ -32,13 +31,13 @@ pub fn routes() -> Routes {
         Routes::new(),
         |routes, (route, file)| {
             let is_thinned = route == "curve";
-            let show = async move |State(app): State<App>, FoundRun(run), query: Query, headers| {
+            let show = async move |State(app): State<App>, id: RunId, query: Query, headers| {
                 let points = if is_thinned {
                     query.number(&POINTS)?
                 } else {
                     None
                 };
-                show(app, run, file, points, headers).await
+                show(app, id, file, points, headers).await
             };
             let told = Operation::new(format!("getRun{}", camel(route)), file.about())
                 .details("Of a run that is under way: what it has found so far.")
@@ -58,13 +57,13 @@ pub fn routes() -> Routes {
 /// Answers with a file as it is at this moment; one that the client has is not made again.
 async fn show(
     app: App,
-    run: RunView,
+    id: RunId,
     file: &'static RunFile,
     points: Option<i64>,
     headers: HeaderMap,
 ) -> Result<Response, Refusal> {
     let points = points.and_then(|points| usize::try_from(points).ok());
-    app.blocking(move |app| {
+    app.with_run(id, move |app, run| {
         let header = |tag: &str| HeaderValue::try_from(format!("\"{tag}\""));
         let has = |tag: &str| header(tag).is_ok_and(|tag| is_known(&headers, &tag));
         let answer = app.findings.file(&run, file, points, has)?;

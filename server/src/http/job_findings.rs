@@ -8,10 +8,11 @@ use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse, Response};
 
 use super::App;
-use super::extract::FoundJob;
+use super::extract::JobId;
 use super::operation::{JSON, Operation, Shape, camel};
 use super::refusal::Refusal;
 use super::routes::Routes;
+use super::turns::MANY_RUNS;
 use crate::reproduce::{Claims, Report};
 use crate::store::JobView;
 use crate::summary::{csv, markdown};
@@ -53,8 +54,8 @@ pub fn routes() -> Routes {
             .shows::<JobSummary>("The summary of what is done."),
     );
     for (end, media_type, text) in SUMMARIES {
-        let show = async move |State(app): State<App>, FoundJob(job)| {
-            app.blocking(move |app| {
+        let show = async move |State(app): State<App>, id: JobId| {
+            app.with_job(id, move |app, job| {
                 let summary = summarised(app, &job)?;
                 Ok(([(CONTENT_TYPE, media_type)], text(&summary)).into_response())
             })
@@ -68,16 +69,15 @@ pub fn routes() -> Routes {
         routes = routes.get(&format!("/jobs/{{id}}/{end}"), show, told);
     }
     for (end, media_type, text) in REPORTS {
-        let show =
-            async move |State(app): State<App>, FoundJob(job)| -> Result<Response, Refusal> {
-                app.blocking(move |app| {
-                    let _turn = app.turn_to_pool(&job)?;
-                    let report = app.findings.report(&job)?;
-                    let text = text(&report).to_owned();
-                    Ok(([(CONTENT_TYPE, media_type)], text).into_response())
-                })
-                .await
-            };
+        let show = async move |State(app): State<App>, id: JobId| -> Result<Response, Refusal> {
+            app.with_job(id, move |app, job| {
+                let _turn = app.turn_to_pool(&job, MANY_RUNS)?;
+                let report = app.findings.report(&job)?;
+                let text = text(&report).to_owned();
+                Ok(([(CONTENT_TYPE, media_type)], text).into_response())
+            })
+            .await
+        };
         let shape = (media_type == JSON).then_some(Shape::of::<Claims>());
         let told = Operation::new(
             format!("getJob{}", camel(end)),
@@ -91,18 +91,15 @@ pub fn routes() -> Routes {
 }
 
 /// `GET /v1/jobs/{id}/summary`.
-async fn summary(
-    State(app): State<App>,
-    FoundJob(job): FoundJob,
-) -> Result<Json<JobSummary>, Refusal> {
-    app.blocking(move |app| Ok(Json(summarised(app, &job)?)))
+async fn summary(State(app): State<App>, id: JobId) -> Result<Json<JobSummary>, Refusal> {
+    app.with_job(id, move |app, job| Ok(Json(summarised(app, &job)?)))
         .await
 }
 
 /// The summary of a job. Of runs that covered far too little it is found out why, one after the
 /// other, when nobody waits for anything else.
 fn summarised(app: &App, job: &JobView) -> Result<JobSummary, Refusal> {
-    let _turn = app.turn_to_pool(job)?;
+    let _turn = app.turn_to_pool(job, MANY_RUNS)?;
     let summary = app.findings.summary(job)?;
     let few = summary.odd_runs.iter().take(MOST_EXPLAINED);
     let unknown = few.filter(|run| run.explanation.is_none() && run.score.is_some_and(|z| z < 0.0));

@@ -10,7 +10,7 @@ use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 
 use super::App;
-use super::extract::FoundJob;
+use super::extract::JobId;
 use super::operation::{Operation, Shape, key_schema};
 use super::query::{CURSOR, LIMIT, ORDER, Parameter, Query, STATE};
 use super::refusal::Refusal;
@@ -19,7 +19,7 @@ use super::routes::Routes;
 use crate::documents::{expand, run_count};
 use crate::findings::views;
 use crate::scheduler::StoredArenas;
-use crate::store::{Created, Intent, JobFilter, JobKey, JobRequest, JobView};
+use crate::store::{Created, Intent, JobFilter, JobKey, JobRequest};
 
 const Q: Parameter = Parameter::text("q", "Words that the name has, in any case.");
 
@@ -155,18 +155,17 @@ async fn list(State(app): State<App>, query: Query) -> Result<Json<JobPage>, Ref
 }
 
 /// `GET /v1/jobs/{id}`.
-async fn show(State(app): State<App>, FoundJob(job): FoundJob) -> Json<Job> {
-    Json(views::job(&job, &app.scheduler))
+async fn show(State(app): State<App>, id: JobId) -> Result<Json<Job>, Refusal> {
+    app.with_job(id, move |app, job| {
+        Ok(Json(views::job(&job, &app.scheduler)))
+    })
+    .await
 }
 
 /// `GET /v1/jobs/{id}/runs`: in order of their places in the job.
-async fn runs(
-    State(app): State<App>,
-    FoundJob(job): FoundJob,
-    query: Query,
-) -> Result<Json<RunPage>, Refusal> {
+async fn runs(State(app): State<App>, id: JobId, query: Query) -> Result<Json<RunPage>, Refusal> {
     let page = query.page()?;
-    app.blocking(move |app| {
+    app.with_job(id, move |app, job| {
         let from = page
             .cursor
             .and_then(|cursor| u64::try_from(cursor).ok())
@@ -184,23 +183,23 @@ async fn runs(
 }
 
 /// `POST /v1/jobs/{id}/cancel`.
-async fn cancel(State(app): State<App>, FoundJob(job): FoundJob) -> Result<Json<Job>, Refusal> {
-    want(app, job, Intent::Cancelled).await
+async fn cancel(State(app): State<App>, id: JobId) -> Result<Json<Job>, Refusal> {
+    want(app, id, Intent::Cancelled).await
 }
 
 /// `POST /v1/jobs/{id}/pause`.
-async fn pause(State(app): State<App>, FoundJob(job): FoundJob) -> Result<Json<Job>, Refusal> {
-    want(app, job, Intent::Paused).await
+async fn pause(State(app): State<App>, id: JobId) -> Result<Json<Job>, Refusal> {
+    want(app, id, Intent::Paused).await
 }
 
 /// `POST /v1/jobs/{id}/resume`: also its runs that were paused one by one.
-async fn resume(State(app): State<App>, FoundJob(job): FoundJob) -> Result<Json<Job>, Refusal> {
-    want(app, job, Intent::Active).await
+async fn resume(State(app): State<App>, id: JobId) -> Result<Json<Job>, Refusal> {
+    want(app, id, Intent::Active).await
 }
 
 /// `POST /v1/jobs/{id}/retry`: failed and cancelled runs wait again, from their beginning.
-async fn retry(State(app): State<App>, FoundJob(job): FoundJob) -> Result<Json<Job>, Refusal> {
-    app.blocking(move |app| {
+async fn retry(State(app): State<App>, id: JobId) -> Result<Json<Job>, Refusal> {
+    app.with_job(id, move |app, job| {
         app.scheduler.try_again(&job)?;
         Ok(Json(views::job(&app.job(job.seq)?, &app.scheduler)))
     })
@@ -208,8 +207,8 @@ async fn retry(State(app): State<App>, FoundJob(job): FoundJob) -> Result<Json<J
 }
 
 /// `DELETE /v1/jobs/{id}`: whatever its state, with the runs and results that only it has.
-async fn delete(State(app): State<App>, FoundJob(job): FoundJob) -> Result<StatusCode, Refusal> {
-    app.blocking(move |app| {
+async fn delete(State(app): State<App>, id: JobId) -> Result<StatusCode, Refusal> {
+    app.with_job(id, move |app, job| {
         app.scheduler.delete(job.seq)?;
         Ok(StatusCode::NO_CONTENT)
     })
@@ -217,8 +216,8 @@ async fn delete(State(app): State<App>, FoundJob(job): FoundJob) -> Result<Statu
 }
 
 /// Changes what is wanted of a job.
-async fn want(app: App, job: JobView, intent: Intent) -> Result<Json<Job>, Refusal> {
-    app.blocking(move |app| {
+async fn want(app: App, id: JobId, intent: Intent) -> Result<Json<Job>, Refusal> {
+    app.with_job(id, move |app, job| {
         app.scheduler.want(&job, intent)?;
         Ok(Json(views::job(&app.job(job.seq)?, &app.scheduler)))
     })

@@ -2,6 +2,7 @@
 //! or compute runs on threads made for that.
 
 mod access;
+mod answers;
 mod app;
 mod arenas;
 mod asked_recordings;

@@ -7,6 +7,7 @@ use axum::extract::{FromRequestParts, Request};
 use axum::http::request::Parts;
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
+use percent_encoding::percent_decode_str;
 use serde_json::{Value, json};
 
 use super::refusal::Refusal;
@@ -162,6 +163,10 @@ impl Query {
     /// A parameter that the route does not have, or one that is given twice.
     fn new(query: &str, known: &[Parameter]) -> Result<Self, Refusal> {
         let mut values = BTreeMap::new();
+        // Read as it is below, other bytes would be taken for another character.
+        if percent_decode_str(query).decode_utf8().is_err() {
+            return Err(wrong("the query is not UTF-8"));
+        }
         for (name, value) in form_urlencoded::parse(query.as_bytes()) {
             if !known.iter().any(|known| known.name == name) {
                 let name: String = name.chars().take(80).collect();
@@ -325,6 +330,10 @@ mod tests {
         assert!(read("state=dead").state().is_err());
         assert!(read("q=").text(&Q).is_err());
         assert!(read("order=").word(&ORDER).is_err());
+        for not_utf8 in ["q=%ff", "q=a&%C3=b", "q=%C3&q=%A9"] {
+            assert!(Query::new(not_utf8, &KNOWN).is_err(), "{not_utf8}");
+        }
+        assert_eq!(read("q=%").text(&Q).unwrap().unwrap(), "%");
         assert_eq!(read("").state().unwrap(), None);
     }
 }

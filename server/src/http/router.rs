@@ -17,6 +17,7 @@ use crate::store::{RunView, Store};
 use crate::turns::Turns;
 
 use super::access::Tokens;
+use super::answers::{self, Answers};
 use super::app::App;
 use super::guard::{self, Gate};
 use super::metrics::Metrics;
@@ -106,6 +107,10 @@ pub fn router(store: Arc<Store>, scheduler: Arc<Scheduler>, tokens: Tokens) -> R
         // Bodies come within the limits of the gate.
         .layer(DefaultBodyLimit::disable())
         .layer(middleware::from_fn(conditional::conditional))
+        .layer(middleware::from_fn_with_state(
+            Answers::default(),
+            answers::bounded,
+        ))
         .layer(compression::layer())
         .layer(middleware::map_response(compression::weaken_tag))
         .layer(middleware::from_fn_with_state(

@@ -8,7 +8,7 @@ use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse, Response};
 
 use super::App;
-use super::extract::FoundRun;
+use super::extract::{FoundRun, RunId};
 use super::operation::{JSON, Operation, Shape};
 use super::query::{CURSOR, LIMIT, ORDER, Parameter, Query, STATE};
 use super::refusal::Refusal;
@@ -94,13 +94,17 @@ async fn list(State(app): State<App>, query: Query) -> Result<Json<RunPage>, Ref
 }
 
 /// `GET /v1/runs/{id}`.
-async fn show(State(app): State<App>, FoundRun(run): FoundRun) -> Json<RunSummary> {
-    Json(views::run(&run, &app.scheduler))
+async fn show(State(app): State<App>, id: RunId) -> Result<Json<RunSummary>, Refusal> {
+    app.with_run(id, move |app, run| {
+        Ok(Json(views::run(&run, &app.scheduler)))
+    })
+    .await
 }
 
 /// `GET /v1/runs/{id}/spec`: every default filled in, byte for byte as `spec.json` has it.
-async fn spec(State(app): State<App>, FoundRun(run): FoundRun) -> Result<Response, Refusal> {
-    app.blocking(move |app| {
+async fn spec(State(app): State<App>, id: RunId) -> Result<Response, Refusal> {
+    app.with_run(id, move |app, run| {
+        let _turn = app.turn_for_spec(&run)?;
         let text = app.findings.spec_text(&run)?;
         Ok(([(CONTENT_TYPE, JSON)], text).into_response())
     })
@@ -121,11 +125,8 @@ async fn result(FoundRun(run): FoundRun) -> Result<Json<RunResult>, Refusal> {
 }
 
 /// `GET /v1/runs/{id}/memory`: what each robot's learner may hold, known before the run starts.
-async fn memory(
-    State(app): State<App>,
-    FoundRun(run): FoundRun,
-) -> Result<Json<MemoryPlan>, Refusal> {
-    app.blocking(move |app| {
+async fn memory(State(app): State<App>, id: RunId) -> Result<Json<MemoryPlan>, Refusal> {
+    app.with_run(id, move |app, run| {
         let spec = app.findings.resolved(&run)?.run_spec();
         Ok(Json(memory_plan(spec.memory_plan())))
     })
@@ -133,11 +134,8 @@ async fn memory(
 }
 
 /// `POST /v1/runs/{id}/cancel`: in every job that has it.
-async fn cancel(
-    State(app): State<App>,
-    FoundRun(run): FoundRun,
-) -> Result<Json<RunSummary>, Refusal> {
-    app.blocking(move |app| {
+async fn cancel(State(app): State<App>, id: RunId) -> Result<Json<RunSummary>, Refusal> {
+    app.with_run(id, move |app, run| {
         let ended = !app.scheduler.cancel_run(run.seq)?;
         let after = app.run(&run.id)?;
         let state = after.state.state();

@@ -13,9 +13,9 @@ use crate::store::{JobView, RunView};
 use crate::turns::{Busy, LARGE_TEXT_BYTES, Turn};
 
 /// Pooling the results of more runs than this is much work ...
-const MANY_RUNS: u64 = 1_000;
+pub(super) const MANY_RUNS: u64 = 1_000;
 /// ... and so are their curves and where they went.
-const MANY_FINDINGS: u64 = 100;
+pub(super) const MANY_FINDINGS: u64 = 100;
 
 /// A document that was read, with its turn if it is much work.
 pub struct Document {
@@ -62,21 +62,12 @@ impl App {
         bytes.is_ok_and(|bytes| bytes > LARGE_TEXT_BYTES as u64)
     }
 
-    /// A turn to pool the runs of this job, if they are many.
+    /// A turn to pool the runs of this job, if they are more than so many.
     ///
     /// # Errors
     /// 503 when there is none.
-    pub(super) fn turn_to_pool(&self, job: &JobView) -> Result<Option<Turn>, Refusal> {
-        let many = job.counts.total > MANY_RUNS;
-        Ok(many.then(|| self.pooling.take()).transpose()?)
-    }
-
-    /// The same where each run's curve or squares are read.
-    ///
-    /// # Errors
-    /// As there.
-    pub(super) fn turn_to_lay_over(&self, job: &JobView) -> Result<Option<Turn>, Refusal> {
-        let many = job.counts.total > MANY_FINDINGS;
+    pub(super) fn turn_to_pool(&self, job: &JobView, many: u64) -> Result<Option<Turn>, Refusal> {
+        let many = job.counts.total > many;
         Ok(many.then(|| self.pooling.take()).transpose()?)
     }
 
@@ -85,7 +76,7 @@ impl App {
     /// # Errors
     /// 503 when there is none.
     pub(super) fn turn_for_spec(&self, run: &RunView) -> Result<Option<Turn>, Refusal> {
-        let large = self.store.spec_bytes(run.seq)? > LARGE_TEXT_BYTES as u64;
+        let large = self.findings.has_large_spec(run)?;
         Ok(large.then(|| self.turns.take()).transpose()?)
     }
 }
