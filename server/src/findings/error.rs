@@ -42,6 +42,9 @@ pub enum FindingsError {
     /// It is much work, and others wait for that already.
     #[error(transparent)]
     Busy(#[from] Busy),
+    /// Somebody else who asks the same has it made, for long already.
+    #[error("it is being made for another request, which takes long")]
+    BeingMade,
     /// Nobody waits for it any more.
     #[error("the client is gone")]
     GivenUp,

@@ -7,6 +7,7 @@ mod error;
 mod groups;
 mod kept;
 mod learnt;
+mod pooled;
 mod report;
 mod run;
 mod summary;
@@ -16,6 +17,7 @@ use std::sync::Arc;
 
 pub use error::FindingsError;
 use kept::Kept;
+use pooled::Pooled;
 
 use crate::scheduler::Scheduler;
 use crate::store::Store;
@@ -26,6 +28,7 @@ pub struct Assembler {
     store: Arc<Store>,
     scheduler: Arc<Scheduler>,
     kept: Kept,
+    pooled: Pooled,
     /// Turns of reading large specs.
     large_specs: Turns,
 }
@@ -37,6 +40,7 @@ impl Assembler {
             store,
             scheduler,
             kept: Kept::default(),
+            pooled: Pooled::default(),
             large_specs: Turns::default(),
         }
     }

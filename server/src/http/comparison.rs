@@ -3,18 +3,19 @@
 
 use api::comparison::Comparison;
 use api::curves::{GroupCoverage, JobCurves};
-use axum::Json;
 use axum::extract::State;
 use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse, Response};
+use serde::Serialize;
 
 use super::App;
 use super::extract::JobId;
-use super::operation::{Operation, camel};
+use super::operation::{JSON, Operation, camel};
 use super::query::{Parameter, Query};
 use super::refusal::Refusal;
 use super::routes::Routes;
 use super::turns::{MANY_FINDINGS, MANY_RUNS};
+use crate::store::JobView;
 use crate::summary::comparison::{DEFAULT_MEASURE, csv, markdown};
 use crate::summary::curves::{MEASURES, Wanted};
 
@@ -84,9 +85,10 @@ pub fn routes() -> Routes {
         );
     for (end, media_type, text) in TEXTS {
         let show = async move |State(app): State<App>, id: JobId, query: Query| {
-            let comparison = compared(app, id, &query).await?;
-            let text = text(&comparison);
-            Ok::<Response, Refusal>(([(CONTENT_TYPE, media_type)], text).into_response())
+            compared(app, id, &query, media_type, move |found| {
+                Ok(text(found).into())
+            })
+            .await
         };
         let told = Operation::new(
             format!("compareJob{}", camel(end)),
@@ -100,30 +102,36 @@ pub fn routes() -> Routes {
 }
 
 /// `GET /v1/jobs/{id}/comparison`.
-async fn comparison(
-    State(app): State<App>,
-    id: JobId,
-    query: Query,
-) -> Result<Json<Comparison>, Refusal> {
-    Ok(Json(compared(app, id, &query).await?))
+async fn comparison(State(app): State<App>, id: JobId, query: Query) -> Result<Response, Refusal> {
+    compared(app, id, &query, JSON, json).await
 }
 
-async fn compared(app: App, id: JobId, query: &Query) -> Result<Comparison, Refusal> {
+async fn compared(
+    app: App,
+    id: JobId,
+    query: &Query,
+    media_type: &'static str,
+    text: impl FnOnce(&Comparison) -> Result<Vec<u8>, Refusal> + Send + 'static,
+) -> Result<Response, Refusal> {
     let (measure, by) = (query.text(&MEASURE)?, query.text(&BY)?);
     app.with_job(id, move |app, job| {
-        let _turn = app.turn_to_pool(&job, MANY_RUNS)?;
         let measure = measure.as_deref().unwrap_or(DEFAULT_MEASURE);
-        Ok(app.findings.comparison(&job, measure, by.as_deref())?)
+        let asked = format!("comparison {media_type} {measure:?} {by:?}");
+        let body = app.findings.pooled(&job, asked, || {
+            let _turn = app.turn_to_pool(&job, MANY_RUNS)?;
+            text(&app.findings.comparison(&job, measure, by.as_deref())?)
+        })?;
+        Ok(([(CONTENT_TYPE, media_type)], body).into_response())
     })
     .await
 }
 
+fn json(value: &impl Serialize) -> Result<Vec<u8>, Refusal> {
+    serde_json::to_vec(value).map_err(|error| Refusal::internal(&error))
+}
+
 /// `GET /v1/jobs/{id}/curves`.
-async fn curves(
-    State(app): State<App>,
-    id: JobId,
-    query: Query,
-) -> Result<Json<JobCurves>, Refusal> {
+async fn curves(State(app): State<App>, id: JobId, query: Query) -> Result<Response, Refusal> {
     let measure = query.word(&LEVEL)?.unwrap_or("p1");
     query.word(&X)?;
     let by = query.text(&BY)?;
@@ -138,30 +146,41 @@ async fn curves(
                 .unwrap_or(usize::MAX),
             runs,
         };
-        let _turn = app.turn_to_pool(&job, MANY_FINDINGS)?;
-        Ok(Json(app.findings.curves(&job, wanted)?))
+        let asked = format!("{wanted:?}");
+        pooled(app, &job, asked, || {
+            Ok(app.findings.curves(&job, wanted)?)
+        })
     })
     .await
 }
 
 /// `GET /v1/jobs/{id}/coverage`.
-async fn coverage(
-    State(app): State<App>,
-    id: JobId,
-    query: Query,
-) -> Result<Json<GroupCoverage>, Refusal> {
+async fn coverage(State(app): State<App>, id: JobId, query: Query) -> Result<Response, Refusal> {
     let by = query.text(&BY)?;
     let group = query
         .number(&GROUP)?
-        .and_then(|group| group.try_into().ok());
+        .and_then(|group| group.try_into().ok())
+        .unwrap_or(0);
     app.with_job(id, move |app, job| {
-        let _turn = app.turn_to_pool(&job, MANY_FINDINGS)?;
-        let group = group.unwrap_or(0);
-        Ok(Json(app.findings.group_coverage(
-            &job,
-            group,
-            by.as_deref(),
-        )?))
+        let asked = format!("coverage {group} {by:?}");
+        pooled(app, &job, asked, || {
+            let found = app.findings.group_coverage(&job, group, by.as_deref());
+            Ok(found?)
+        })
     })
     .await
+}
+
+/// What is pooled of each finished run's curve or squares: in turns, and once for all who ask it.
+fn pooled<T: Serialize>(
+    app: &App,
+    job: &JobView,
+    asked: String,
+    pool: impl FnOnce() -> Result<T, Refusal>,
+) -> Result<Response, Refusal> {
+    let text = app.findings.pooled(job, asked, || {
+        let _turn = app.turn_to_pool(job, MANY_FINDINGS)?;
+        json(&pool()?)
+    })?;
+    Ok(([(CONTENT_TYPE, JSON)], text).into_response())
 }

@@ -113,6 +113,10 @@ impl From<FindingsError> for Refusal {
                 return Self::damaged(&error);
             }
             FindingsError::Busy(busy) => return busy.into(),
+            FindingsError::BeingMade => {
+                let refusal = Self::new(ProblemCode::Overloaded, error.to_string());
+                return refusal.retry_after_s(5);
+            }
             FindingsError::GivenUp => ProblemCode::Overloaded,
             FindingsError::Store(error) => return error.into(),
         };

@@ -96,6 +96,26 @@ impl Store {
             .query_row([seq], |row| row.get(0).map(from_sql))?)
     }
 
+    /// A digest of which runs a job has, where, and which of them are done.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn done_runs_sha256(&self, seq: JobKey) -> Result<[u8; 32], StoreError> {
+        let connection = self.reader();
+        let mut statement = connection.prepare_cached(
+            "SELECT ordinal, run, state = 'done' FROM job_runs JOIN runs ON runs.seq = job_runs.run
+             WHERE job = ?1 ORDER BY ordinal",
+        )?;
+        let mut rows = statement.query([seq])?;
+        let mut digest = Sha256::new();
+        while let Some(row) = rows.next()? {
+            for column in 0..3 {
+                digest.update(row.get::<_, i64>(column)?.to_le_bytes());
+            }
+        }
+        Ok(digest.finalize().into())
+    }
+
     /// A digest of what is stored of a job's runs, which are told by it: their places, ids, labels,
     /// states and results. `None` while one of them is under way.
     ///
@@ -165,7 +185,7 @@ pub(super) fn head(row: &Row<'_>) -> rusqlite::Result<Head> {
         row.get("seq")?,
         shown_text(row, "name")?,
         row.get("intent")?,
-        row.get("created_at")?,
+        shown_text(row, "created_at")?,
         nearest_i32(row, "priority")?,
     ))
 }
@@ -192,13 +212,15 @@ pub(super) fn view(connection: &Connection, head: Head) -> Result<JobView, Store
     )?;
     let mut rows = statement.query([seq])?;
     while let Some(row) = rows.next()? {
-        let state: String = row.get(0)?;
+        let state = shown_text(row, "state")?;
         let count = from_sql(row.get(1)?);
         let (done, total) = (from_sql(row.get(2)?), from_sql(row.get(3)?));
         let (work_done, work_total) = (from_sql(row.get(4)?), from_sql(row.get(5)?));
         let counts = &mut view.counts;
-        let state =
-            State::from_name(&state).ok_or_else(|| StoreError::unreadable("run state", &state))?;
+        // What is no state was written outside of this program; `check` tells of it.
+        let Some(state) = State::from_name(&state) else {
+            continue;
+        };
         *match state {
             State::Queued => &mut counts.queued,
             State::Running => &mut counts.running,
@@ -207,15 +229,16 @@ pub(super) fn view(connection: &Connection, head: Head) -> Result<JobView, Store
             State::Failed => &mut counts.failed,
             State::Cancelled => &mut counts.cancelled,
         } = count;
-        counts.total += count;
+        let add = |sum: &mut u64, more: u64| *sum = sum.saturating_add(more);
+        add(&mut counts.total, count);
         if state != State::Running {
-            view.robot_steps_done += done;
-            view.robot_steps_total += total;
-            view.work_done += work_done;
-            view.work_total += work_total;
+            add(&mut view.robot_steps_done, done);
+            add(&mut view.robot_steps_total, total);
+            add(&mut view.work_done, work_done);
+            add(&mut view.work_total, work_total);
         }
         if state == State::Queued {
-            view.work_left += work_total.saturating_sub(work_done);
+            add(&mut view.work_left, work_total.saturating_sub(work_done));
         }
     }
     if view.counts.running > 0 {
@@ -230,7 +253,7 @@ pub(super) fn view(connection: &Connection, head: Head) -> Result<JobView, Store
                     seq: row.get(0)?,
                     robot_steps_done: from_sql(row.get(1)?),
                     robot_steps_total: from_sql(row.get(2)?),
-                    step_cost: row.get(3)?,
+                    step_cost: row.get::<_, i64>(3)?.try_into().unwrap_or(1),
                 })
             })?
             .collect::<Result<Vec<_>, _>>()?;
