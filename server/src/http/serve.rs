@@ -3,6 +3,7 @@
 use std::io::{Read, Write};
 use std::net::SocketAddr;
 use std::num::{NonZeroU32, NonZeroUsize};
+use std::os::unix::fs::MetadataExt;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -28,6 +29,8 @@ const UNFINISHED_LIMIT: u64 = 200_000;
 const RETENTION: Duration = Duration::from_secs(60);
 /// Largest file of tokens that is read.
 const MAX_TOKEN_FILE_BYTES: u64 = 4 << 20;
+/// Bits of a file's mode by which others than its owner may write it.
+const OTHERS_WRITE: u32 = 0o022;
 /// By how much threads that answer requests are nicer than those that step runs: of a processor
 /// that both want they get two fifths.
 const ASIDE: i32 = 2;
@@ -140,6 +143,11 @@ fn tokens(options: &ServeOptions) -> anyhow::Result<Tokens> {
         let shown = path.display();
         let file = std::fs::File::open(path);
         let file = file.with_context(|| format!("cannot read the tokens in {shown}"))?;
+        let mode = file.metadata().map_or(0, |of_file| of_file.mode());
+        if mode & OTHERS_WRITE != 0 {
+            tracing::warn!(file = %shown, mode = format!("{:o}", mode & 0o777),
+                "others than its owner may write the file of tokens, and so give themselves one");
+        }
         let mut text = String::new();
         let read = file.take(MAX_TOKEN_FILE_BYTES).read_to_string(&mut text);
         read.with_context(|| format!("cannot read the tokens in {shown}"))?;

@@ -110,11 +110,15 @@ const VALUES: &str =
     UNION ALL SELECT 'the priority of job ' || seq || ' is out of range: ' || priority FROM jobs
         WHERE priority NOT BETWEEN -2147483648 AND 2147483647";
 
-/// Names and ids that are not UTF-8, by the keys of their rows.
+/// Names, ids and moments that are not UTF-8, by the keys of their rows.
 fn not_utf8(connection: &Connection) -> rusqlite::Result<Vec<String>> {
     let mut faults = Vec::new();
     for (what, sql) in [
         ("name of job", "SELECT seq, name FROM jobs ORDER BY seq"),
+        (
+            "moment of job",
+            "SELECT seq, created_at FROM jobs ORDER BY seq",
+        ),
         (
             "id of the run with key",
             "SELECT seq, id FROM runs ORDER BY seq",

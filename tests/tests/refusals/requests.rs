@@ -1,5 +1,8 @@
 //! Requests that are wrong in form, or at the wrong time.
 
+use std::fs::Permissions;
+use std::os::unix::fs::PermissionsExt;
+
 use api::{ProblemCode, State};
 use serde_json::{Value, json};
 use tests::command::evswarm;
@@ -351,7 +354,10 @@ fn a_token_is_made_kept_as_a_digest_and_asked_for() {
     let (_, token) = made.stderr.trim_end().rsplit_once(' ').unwrap();
     assert!(token.len() > 40 && !made.stdout.contains(token), "{made:?}");
     std::fs::write(&file, &made.stdout).unwrap();
+    std::fs::set_permissions(&file, Permissions::from_mode(0o620)).unwrap();
     let server = Server::start_with(home.path(), &["--tokens", file.to_str().unwrap()]);
+    let log = server.log();
+    assert!(log.contains("others than its owner may write"), "{log}");
     let bearer = format!("Bearer {token}");
     let headers = [
         ("authorization", bearer.as_str()),

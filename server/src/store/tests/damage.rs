@@ -122,6 +122,18 @@ fn a_row_that_cannot_be_read_takes_no_list_and_check_tells_of_it() {
             "UPDATE jobs SET priority = 9223372036854775807",
             "the priority of job 1 is out of range: 9223372036854775807",
         ),
+        (
+            "UPDATE jobs SET created_at = CAST(x'ff' AS TEXT)",
+            "the moment of job 1 is not UTF-8",
+        ),
+        (
+            "UPDATE job_totals SET state = 'dead' WHERE state = 'queued'",
+            "the sums of job 1 over runs that are dead are wrong",
+        ),
+        (
+            "UPDATE job_totals SET robot_steps_total = 9223372036854775807, work_total = 9223372036854775807",
+            "the sums of job 1 over runs that are queued are wrong",
+        ),
     ] {
         let (dir, store) = tampered(change);
         assert_eq!(store.jobs(None, 10).unwrap().len(), 1, "{change}");

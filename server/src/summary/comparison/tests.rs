@@ -91,6 +91,19 @@ fn three_seeds_say_nothing_yet_and_how_many_would() {
 }
 
 #[test]
+fn of_groups_with_the_same_mean_none_leads() {
+    let compared = comparison(
+        &job(&[("a", &GOOD[..3]), ("b", &POOR[..3]), ("c", &GOOD[..3])]),
+        DEFAULT_MEASURE,
+        None,
+    );
+    let compared = compared.unwrap();
+    assert_eq!(compared.best, None);
+    let said = "which is best by p1_fraction cannot be said yet: a and c have the same mean; ";
+    assert!(compared.verdict.starts_with(said), "{}", compared.verdict);
+}
+
+#[test]
 fn turning_groups_about_turns_every_sign_and_no_verdict() {
     let jobs = [
         job(&[("a", &GOOD), ("b", &POOR)]),

@@ -218,14 +218,21 @@ pub fn verdict(
         named(&groups[place].label).to_owned()
     };
     let names: Vec<String> = open.iter().map(rival).collect();
+    let level: Vec<&str> = (0..groups.len())
+        .filter(|place| standing(*place) == standing(leader))
+        .map(|place| named(&groups[place].label))
+        .collect();
+    let ahead = match &level[..] {
+        [] | [_] => format!("{name} leads, but is not told from {}", names.join(", ")),
+        [first @ .., last] => format!("{} and {last} have the same mean", first.join(", ")),
+    };
     let n = open.iter().map(|pair| pair.n).min().unwrap_or(0);
     let needed: Option<Vec<u64>> = open.iter().map(|pair| pair.runs_needed).collect();
     let needed = needed.and_then(|needed| needed.into_iter().max());
     Verdict {
         best: None,
         sentence: format!(
-            "which is {word} by {measure} cannot be said yet: {name} leads, but is not told from {}; {}",
-            names.join(", "),
+            "which is {word} by {measure} cannot be said yet: {ahead}; {}",
             would_say(needed, n)
         ),
         runs_needed: needed.map(|needed| rounded(needed.max(n + 1))),
