@@ -257,8 +257,11 @@ fn what_cannot_be_listened_to_is_refused() {
     server.get("/v1/events?run=7").problem(404);
     server.get("/v1/events?job=7").problem(400);
     let posted = server.submit(&job(small_spec(), 1));
+    for another in ["+1", "01", "1x"] {
+        server.get(&format!("/v1/jobs/{another}")).problem(404);
+    }
     let path = format!("/v1/jobs/{}/events", posted.id);
-    for wrong in ["x", "-1", ""] {
+    for wrong in ["x", "-1", "+1", ""] {
         let heard = [("last-event-id", wrong)];
         server
             .send("GET", &path, &heard, b"")

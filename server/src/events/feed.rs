@@ -131,7 +131,7 @@ impl Feed {
             }
             let latest = self.place.latest.borrow_and_update().clone();
             let newest = latest.newest;
-            let is_nothing = state.passes(&latest);
+            let is_nothing = !is_behind && state.passes(&latest);
             if is_nothing && !is_due {
                 continue;
             }

@@ -37,6 +37,7 @@ impl Assembler {
         if set.places.len() > MOST_RUNS {
             return Err(FindingsError::TooManyRuns(set.places.len()));
         }
+        let _turn = self.turn_for_runs(&runs)?;
         let mut sums = Sums::default();
         for &(place, _) in &set.places {
             if is_given_up() {

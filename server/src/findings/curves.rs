@@ -16,6 +16,7 @@ impl Assembler {
     pub fn curves(&self, job: &JobView, wanted: Wanted<'_>) -> Result<JobCurves, FindingsError> {
         let runs = self.store.all_runs(job.seq)?;
         let input = self.input(job, &runs)?;
+        let _turn = self.turn_for_runs(&runs)?;
         let done = runs.iter().filter(|run| run.result().is_some());
         let epochs = done.map(|run| run.epochs_total).max().unwrap_or(0);
         let share_of = wanted.measure.strip_suffix("_fraction");

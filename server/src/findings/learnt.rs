@@ -74,8 +74,17 @@ impl Assembler {
     /// # Errors
     /// When that is not kept or cannot be read.
     pub fn covered(&self, run: &RunView) -> Result<Bytes, FindingsError> {
-        let found = self.stored(run)?;
+        // At its end it is the same for all who look.
+        match run.state.state() {
+            State::Done => self.once(&format!("squares of run {}", run.id), || self.squares(run)),
+            _ => self.squares(run),
+        }
+    }
+
+    fn squares(&self, run: &RunView) -> Result<Bytes, FindingsError> {
         let spec = self.resolved(run)?;
+        let _turn = self.turn_for_squares(&spec)?;
+        let found = self.stored(run)?;
         let squares = Squares::of(spec.arena());
         let none = vec![0; squares.count()];
         let is_whole = found.visits.len() == none.len();

@@ -29,8 +29,9 @@ pub struct Assembler {
     scheduler: Arc<Scheduler>,
     kept: Kept,
     pooled: Pooled,
-    /// Turns of reading large specs.
+    /// Turns of reading large specs, and of reading what was found in arenas of many squares.
     large_specs: Turns,
+    large_findings: Turns,
 }
 
 impl Assembler {
@@ -42,6 +43,7 @@ impl Assembler {
             kept: Kept::default(),
             pooled: Pooled::default(),
             large_specs: Turns::default(),
+            large_findings: Turns::default(),
         }
     }
 }

@@ -1,5 +1,5 @@
-//! What is pooled of a job's finished runs: made once for all who ask the same while no other run
-//! has finished, however many ask at a time.
+//! What is pooled of a job's finished runs, and what was covered by one: made once for all who ask
+//! the same while no other run has finished, however many ask at a time.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -10,23 +10,20 @@ use hashlink::LruCache;
 use parking_lot::Mutex;
 
 use super::{Assembler, FindingsError};
-use crate::store::{JobKey, JobView};
+use crate::store::JobView;
 
 /// Most bytes that are kept; the least recently used give way.
 const MAX_BYTES: usize = 64 << 20;
 /// Longest wait for another who makes the same.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// The job, what is asked of it, and a digest of which of its runs are done.
-type Key = (JobKey, String, [u8; 32]);
-
 /// What was made, and what is being made.
 pub struct Pooled(Mutex<State>);
 
 struct State {
-    made: LruCache<Key, Bytes>,
+    made: LruCache<String, Bytes>,
     bytes: usize,
-    being_made: BTreeMap<Key, Arc<Mutex<()>>>,
+    being_made: BTreeMap<String, Arc<Mutex<()>>>,
 }
 
 impl Default for Pooled {
@@ -43,7 +40,7 @@ impl Pooled {
     /// What was made for this key, by whoever asked first; `None` where that takes too long.
     fn get<E>(
         &self,
-        key: &Key,
+        key: &str,
         make: impl FnOnce() -> Result<Bytes, E>,
     ) -> Option<Result<Bytes, E>> {
         let making = {
@@ -51,7 +48,7 @@ impl Pooled {
             if let Some(made) = state.made.get(key) {
                 return Some(Ok(made.clone()));
             }
-            Arc::clone(state.being_made.entry(key.clone()).or_default())
+            Arc::clone(state.being_made.entry(key.to_owned()).or_default())
         };
         let _making = making.try_lock_for(PATIENCE)?;
         if let Some(made) = self.0.lock().made.get(key) {
@@ -62,14 +59,14 @@ impl Pooled {
         let mut state = self.0.lock();
         state.being_made.remove(key);
         if let Ok(made) = &made {
-            state.keep(key.clone(), made.clone());
+            state.keep(key.to_owned(), made.clone());
         }
         Some(made)
     }
 }
 
 impl State {
-    fn keep(&mut self, key: Key, made: Bytes) {
+    fn keep(&mut self, key: String, made: Bytes) {
         if made.len() > MAX_BYTES {
             return;
         }
@@ -94,12 +91,22 @@ impl Assembler {
     pub fn pooled<E: From<FindingsError>>(
         &self,
         job: &JobView,
-        asked: String,
+        asked: &str,
         make: impl FnOnce() -> Result<Vec<u8>, E>,
     ) -> Result<Bytes, E> {
         let done = self.store.done_runs_sha256(job.seq);
-        let key = (job.seq, asked, done.map_err(FindingsError::from)?);
-        let made = self.pooled.get(&key, || make().map(Bytes::from));
+        let done = hex::encode(done.map_err(FindingsError::from)?);
+        let key = format!("{asked} of job {} {done}", job.seq);
+        self.once(&key, || make().map(Bytes::from))
+    }
+
+    /// What this key names, made only where nobody has made it.
+    pub(super) fn once<E: From<FindingsError>>(
+        &self,
+        key: &str,
+        make: impl FnOnce() -> Result<Bytes, E>,
+    ) -> Result<Bytes, E> {
+        let made = self.pooled.get(key, make);
         made.unwrap_or_else(|| Err(FindingsError::BeingMade.into()))
     }
 }
@@ -111,17 +118,13 @@ mod tests {
 
     use super::*;
 
-    fn key(asked: &str) -> Key {
-        (JobKey(1), asked.to_owned(), [0; 32])
-    }
-
     #[test]
     fn what_many_ask_at_once_is_made_once() {
         let (pooled, times) = (Pooled::default(), AtomicUsize::new(0));
         std::thread::scope(|scope| {
             for _ in 0..16 {
                 scope.spawn(|| {
-                    let made = pooled.get(&key("curves"), || {
+                    let made = pooled.get("curves", || {
                         times.fetch_add(1, Ordering::SeqCst);
                         std::thread::sleep(Duration::from_millis(20));
                         Ok::<_, ()>(Bytes::from_static(b"made"))
@@ -137,17 +140,14 @@ mod tests {
     #[test]
     fn failures_are_not_kept_and_what_is_kept_is_bounded() {
         let pooled = Pooled::default();
-        assert_eq!(pooled.get(&key("a"), || Err(7)), Some(Err(7)));
+        assert_eq!(pooled.get("a", || Err(7)), Some(Err(7)));
         let part = Bytes::from(vec![0; MAX_BYTES / 2]);
         for asked in ["a", "b", "c"] {
-            let made = pooled.get(&key(asked), || Ok::<_, ()>(part.clone()));
+            let made = pooled.get(asked, || Ok::<_, ()>(part.clone()));
             assert_eq!(made.unwrap().unwrap().len(), part.len());
         }
         let whole = Bytes::from(vec![0; MAX_BYTES + 1]);
-        pooled
-            .get(&key("d"), || Ok::<_, ()>(whole))
-            .unwrap()
-            .unwrap();
+        pooled.get("d", || Ok::<_, ()>(whole)).unwrap().unwrap();
         let state = pooled.0.lock();
         assert_eq!((state.bytes, state.made.len()), (MAX_BYTES / 2 * 2, 2));
         assert!(state.being_made.is_empty());

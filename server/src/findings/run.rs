@@ -12,7 +12,10 @@ use crate::artifacts::{Maker, Material, RunFile};
 use crate::documents::{ResolvedRun, complete, resolve_stored};
 use crate::scheduler::{StoredArenas, View};
 use crate::store::{Findings, RunState, RunView};
-use crate::turns::LARGE_TEXT_BYTES;
+use crate::turns::{LARGE_TEXT_BYTES, Turn};
+
+/// What was found in an arena of more squares than this is much to read: 16 bytes a square.
+const MANY_SQUARES: u32 = 100_000;
 
 /// A file at one moment.
 #[derive(Debug)]
@@ -40,9 +43,13 @@ impl Assembler {
             .scheduler
             .view(run.seq)
             .filter(|_| run.state == RunState::Running);
-        let make = || match &live {
-            Some(live) => self.make(run, file, curve_points, &live.findings),
-            None => self.make(run, file, curve_points, &self.stored(run)?),
+        let make = || {
+            let spec = self.resolved(run)?;
+            let _turn = self.turn_for_squares(&spec)?;
+            match &live {
+                Some(live) => self.make(run, &spec, file, curve_points, &live.findings),
+                None => self.make(run, &spec, file, curve_points, &self.stored(run)?),
+            }
         };
         let Some(moment) = moment(run, live.as_deref()) else {
             let body = make()?;
@@ -75,13 +82,13 @@ impl Assembler {
     fn make(
         &self,
         run: &RunView,
+        spec: &ResolvedRun,
         file: &RunFile,
         curve_points: Option<usize>,
         findings: &Findings,
     ) -> Result<Bytes, FindingsError> {
-        let spec = self.resolved(run)?;
         let material = Material {
-            spec: &spec,
+            spec,
             findings,
             reachable: &|| self.mask(spec.arena(), spec.body_radius_m()),
             curve_points,
@@ -150,6 +157,24 @@ impl Assembler {
     pub fn resolved_at_once(&self, run: &RunView) -> Result<ResolvedRun, FindingsError> {
         resolve_stored(&self.spec_text(run)?, &StoredArenas::new(&self.store))
             .map_err(|errors| FindingsError::broken(format!("run {}", run.id), told(&errors)))
+    }
+
+    /// A turn to read what a run has found, if its arena has many squares.
+    pub(super) fn turn_for_squares(
+        &self,
+        spec: &ResolvedRun,
+    ) -> Result<Option<Turn>, FindingsError> {
+        let squares: u32 = spec.arena().squares().iter().product();
+        let many = squares > MANY_SQUARES;
+        Ok(many.then(|| self.large_findings.take()).transpose()?)
+    }
+
+    /// The same to read what one of these runs after the other has found.
+    pub(super) fn turn_for_runs(&self, runs: &[RunView]) -> Result<Option<Turn>, FindingsError> {
+        match runs.iter().find(|run| run.result().is_some()) {
+            Some(run) => self.turn_for_squares(&self.resolved(run)?),
+            None => Ok(None),
+        }
     }
 
     /// The squares that a robot of this radius can reach from the arena's first start.

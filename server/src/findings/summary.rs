@@ -24,6 +24,7 @@ impl Assembler {
             told: self.told(&runs),
             ..self.input(job, &runs)?
         };
+        let _turn = self.turn_for_runs(&runs)?;
         let mut fault = None;
         let summary = summary(&input, |place| {
             let run = run_at(&runs, place)?;

@@ -2,6 +2,7 @@
 //! reads cost no more than some. A new one takes the place of those that are taken too slowly.
 
 use std::collections::BTreeMap;
+use std::net::IpAddr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -19,8 +20,10 @@ use super::refusal::Refusal;
 const LARGE_BYTES: u64 = 64 << 10;
 /// Most bytes of large answers at a time.
 const MAX_BYTES: u64 = 256 << 20;
+/// Share of them that one address may have.
+const ADDRESS_SHARE: u64 = 2;
 /// Who takes nothing for so long makes room for others ...
-const STILL_TIME: Duration = Duration::from_secs(5);
+const STILL_TIME: Duration = Duration::from_secs(10);
 /// ... and so does who has not taken all after this.
 const TIME: Duration = Duration::from_secs(60);
 
@@ -30,7 +33,6 @@ pub struct Answers(Arc<Mutex<UnderWay>>);
 
 #[derive(Default)]
 struct UnderWay {
-    bytes: u64,
     next: u64,
     /// In the order in which they began.
     answers: BTreeMap<u64, Answer>,
@@ -49,30 +51,18 @@ struct Room {
 }
 
 impl Answers {
-    /// Room for so many bytes; answers that are taken too slowly end for it. Alone any answer has
-    /// room.
+    /// Room for so many bytes; answers that are taken too slowly end for it. Where there is no other
+    /// to its address any answer has room.
     fn room(&self, bytes: u64, connection: Option<Arc<Connection>>, now: Instant) -> Option<Room> {
+        let address = connection.as_ref().map(|connection| connection.address());
         let mut under_way = self.under_way();
-        let most = MAX_BYTES.saturating_sub(bytes);
-        if under_way.bytes > most {
-            let slow = under_way.answers.iter().filter(|(_, one)| one.is_slow(now));
-            let slow: Vec<u64> = slow.map(|(number, _)| *number).collect();
-            for number in slow {
-                if under_way.bytes <= most {
-                    break;
-                }
-                let connection = under_way.remove(number).and_then(|one| one.connection);
-                if let Some(connection) = connection {
-                    connection.close();
-                }
-            }
-        }
-        if under_way.bytes > most && !under_way.answers.is_empty() {
-            return None;
-        }
         let number = under_way.next;
         under_way.next += 1;
-        under_way.bytes += bytes;
+        for within in [Within::Share(address), Within::All] {
+            if !under_way.make_room(within, bytes, now) {
+                return None;
+            }
+        }
         let answer = Answer {
             bytes,
             begun: now,
@@ -91,15 +81,49 @@ impl Answers {
     }
 }
 
+/// What must have room.
+#[derive(Clone, Copy)]
+enum Within {
+    /// The answers to one address, so that it leaves room for others.
+    Share(Option<IpAddr>),
+    /// All of them.
+    All,
+}
+
 impl UnderWay {
-    fn remove(&mut self, number: u64) -> Option<Answer> {
-        let answer = self.answers.remove(&number)?;
-        self.bytes -= answer.bytes;
-        Some(answer)
+    /// Whether there is room for so many bytes, once slow answers have ended.
+    fn make_room(&mut self, within: Within, bytes: u64, now: Instant) -> bool {
+        let (most, address) = match within {
+            Within::Share(address) => (MAX_BYTES / ADDRESS_SHARE, Some(address)),
+            Within::All => (MAX_BYTES, None),
+        };
+        let counts = |answer: &&Answer| address.is_none_or(|address| answer.address() == address);
+        let counted = self.answers.values().filter(counts);
+        let mut held: u64 = counted.map(|answer| answer.bytes).sum();
+        let counted = self.answers.iter().filter(|(_, one)| counts(one));
+        let slow = counted.filter(|(_, one)| one.is_slow(now));
+        for number in slow.map(|(number, _)| *number).collect::<Vec<_>>() {
+            if held == 0 || held + bytes <= most {
+                break;
+            }
+            if let Some(answer) = self.answers.remove(&number) {
+                held -= answer.bytes;
+                if let Some(connection) = answer.connection {
+                    connection.close();
+                }
+            }
+        }
+        held == 0 || held + bytes <= most
     }
 }
 
 impl Answer {
+    fn address(&self) -> Option<IpAddr> {
+        self.connection
+            .as_ref()
+            .map(|connection| connection.address())
+    }
+
     fn is_slow(&self, now: Instant) -> bool {
         let connection = self.connection.as_ref();
         let is_still = connection.is_some_and(|connection| connection.still_for(now) > STILL_TIME);
@@ -109,7 +133,7 @@ impl Answer {
 
 impl Drop for Room {
     fn drop(&mut self) {
-        self.answers.under_way().remove(self.number);
+        self.answers.under_way().answers.remove(&self.number);
     }
 }
 
@@ -153,27 +177,43 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
 
+    fn held(answers: &Answers) -> u64 {
+        let under_way = answers.under_way();
+        under_way.answers.values().map(|answer| answer.bytes).sum()
+    }
+
+    fn from(last: u8) -> Option<Arc<Connection>> {
+        Some(Arc::new(Connection::new([10, 0, 0, last].into())))
+    }
+
     #[test]
     fn answers_are_bounded_together_and_slow_ones_give_way() {
         let answers = Answers::default();
         let start = Instant::now();
-        let (third, half) = (MAX_BYTES / 3, MAX_BYTES / 2);
-        let first = answers.room(third, None, start).unwrap();
-        let _second = answers.room(half, None, start + STILL_TIME).unwrap();
-        assert!(answers.room(half, None, start + TIME).is_none());
-        drop(first);
-        let first = answers.room(half, None, start + STILL_TIME).unwrap();
-        assert_eq!(answers.under_way().bytes, 2 * half);
-        // Both are slow by then; the one that began first makes enough room.
-        let late = start + STILL_TIME + TIME + Duration::from_secs(1);
-        let third = answers.room(third, None, late).unwrap();
-        assert_eq!(answers.under_way().answers.len(), 2);
-        drop((first, third));
-        assert_eq!(answers.under_way().bytes, 0);
+        let third = MAX_BYTES / 3;
+        let rooms = [1, 2, 3].map(|last| answers.room(third, from(last), start).unwrap());
+        assert!(answers.room(third, from(4), start + TIME).is_none());
+        // All are slow by then; the one that began first makes enough room.
+        let late = start + TIME + Duration::from_secs(1);
+        let fourth = answers.room(third, from(4), late).unwrap();
+        assert_eq!(answers.under_way().answers.len(), 3);
+        drop((rooms, fourth));
+        assert_eq!(held(&answers), 0);
+    }
+
+    #[test]
+    fn an_address_leaves_room_for_others() {
+        let answers = Answers::default();
+        let start = Instant::now();
+        let half = MAX_BYTES / ADDRESS_SHARE;
+        let first = answers.room(half, from(1), start).unwrap();
+        assert!(answers.room(1, from(1), start).is_none());
+        let second = answers.room(half, from(2), start).unwrap();
+        drop((first, second));
         // Alone there is room for any.
-        let large = answers.room(2 * MAX_BYTES, None, start).unwrap();
-        assert!(answers.room(1, None, start).is_none());
+        let large = answers.room(2 * MAX_BYTES, from(1), start).unwrap();
+        assert!(answers.room(1, from(2), start).is_none());
         drop(large);
-        assert!(answers.room(1, None, start).is_some());
+        assert!(answers.room(1, from(2), start).is_some());
     }
 }

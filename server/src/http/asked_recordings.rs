@@ -21,9 +21,9 @@ use super::operation::{Operation, Shape};
 use super::query::Query;
 use super::recordings::{MCAP, MEDIA_TYPE, SLICE, as_mcap, cut, table, whole};
 use super::refusal::Refusal;
-use super::request::said_to_be_json;
+use super::request::{number, said_to_be_json};
 use super::routes::Routes;
-use crate::recording::{AskError, Paths, live_state};
+use crate::recording::{AskError, Paths, Wish, live_state};
 use crate::store::RunView;
 use crate::tables::Form;
 
@@ -117,10 +117,13 @@ fn paths(app: &App, run: &RunView, name: &str) -> Result<Paths, Refusal> {
     if name == LIVE {
         return Ok(app.store.recordings().live(&run.id));
     }
-    let number = name.parse().map_err(|_| not_found(name))?;
-    let wish = app.recordings.wish(&run.id, number);
-    let wish = wish.ok_or_else(|| not_found(name))?;
-    Ok(wish.paths(&app.store.recordings().of(&run.id)))
+    Ok(wish(app, run, name)?.paths(&app.store.recordings().of(&run.id)))
+}
+
+/// The recording of a number that was asked for.
+fn wish(app: &App, run: &RunView, name: &str) -> Result<Wish, Refusal> {
+    let wish = number(name).and_then(|number| app.recordings.wish(&run.id, number));
+    wish.ok_or_else(|| not_found(name))
 }
 
 /// `GET /v1/runs/{id}/recordings`.
@@ -197,9 +200,7 @@ async fn delete(State(app): State<App>, Named { run, name }: Named) -> Result<St
             paths.remove_bytes();
             return Ok(StatusCode::NO_CONTENT);
         }
-        let number = name.parse().map_err(|_| not_found(&name))?;
-        let wish = app.recordings.wish(&run.id, number);
-        let wish = wish.ok_or_else(|| not_found(&name))?;
+        let wish = wish(app, &run, &name)?;
         app.recordings.delete(&run.id, &wish);
         Ok(StatusCode::NO_CONTENT)
     })

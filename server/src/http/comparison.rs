@@ -117,7 +117,7 @@ async fn compared(
     app.with_job(id, move |app, job| {
         let measure = measure.as_deref().unwrap_or(DEFAULT_MEASURE);
         let asked = format!("comparison {media_type} {measure:?} {by:?}");
-        let body = app.findings.pooled(&job, asked, || {
+        let body = app.findings.pooled(&job, &asked, || {
             let _turn = app.turn_to_pool(&job, MANY_RUNS)?;
             text(&app.findings.comparison(&job, measure, by.as_deref())?)
         })?;
@@ -147,7 +147,7 @@ async fn curves(State(app): State<App>, id: JobId, query: Query) -> Result<Respo
             runs,
         };
         let asked = format!("{wanted:?}");
-        pooled(app, &job, asked, || {
+        pooled(app, &job, &asked, || {
             Ok(app.findings.curves(&job, wanted)?)
         })
     })
@@ -163,7 +163,7 @@ async fn coverage(State(app): State<App>, id: JobId, query: Query) -> Result<Res
         .unwrap_or(0);
     app.with_job(id, move |app, job| {
         let asked = format!("coverage {group} {by:?}");
-        pooled(app, &job, asked, || {
+        pooled(app, &job, &asked, || {
             let found = app.findings.group_coverage(&job, group, by.as_deref());
             Ok(found?)
         })
@@ -175,7 +175,7 @@ async fn coverage(State(app): State<App>, id: JobId, query: Query) -> Result<Res
 fn pooled<T: Serialize>(
     app: &App,
     job: &JobView,
-    asked: String,
+    asked: &str,
     pool: impl FnOnce() -> Result<T, Refusal>,
 ) -> Result<Response, Refusal> {
     let text = app.findings.pooled(job, asked, || {

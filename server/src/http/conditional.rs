@@ -13,6 +13,7 @@ use axum::http::header::{
 use axum::http::{HeaderMap, HeaderValue, Method, StatusCode};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
+use bytes::Bytes;
 use sha2::{Digest, Sha256};
 
 use super::refusal::Refusal;
@@ -57,7 +58,8 @@ pub async fn conditional(request: Request, next: Next) -> Response {
         Some(Range { start, end }) => {
             parts.status = StatusCode::PARTIAL_CONTENT;
             parts.headers.remove(CONTENT_LENGTH);
-            let part = Body::from(body.slice(start..end));
+            // Copied, as all of it would be held otherwise until a small part is taken.
+            let part = Body::from(Bytes::copy_from_slice(&body[start..end]));
             let range = format!("bytes {start}-{}/{length}", end - 1);
             (Response::from_parts(parts, part), range)
         }

@@ -57,7 +57,8 @@ pub struct Connection {
 }
 
 impl Connection {
-    fn new(address: IpAddr) -> Self {
+    /// One that has just been opened.
+    pub fn new(address: IpAddr) -> Self {
         Self {
             address,
             now: Mutex::new((Stage::Head, Instant::now())),

@@ -27,6 +27,9 @@ const KEEP_ALIVE: Duration = Duration::from_secs(15);
 /// Longest time of a stream; whoever listens on asks again, with the id of the last event.
 const LIFE: Duration = Duration::from_secs(60 * 60);
 
+/// Most digits of the id of an event.
+const ID_DIGITS: usize = 18;
+
 const RUN: Parameter = Parameter::text(
     "run",
     "Id of a run of which also is told what listeners to it hear.",
@@ -58,7 +61,7 @@ fn listening(id: &str, about: &str) -> Operation {
         .details(
             "Server-sent events. The name of an event is the `event` of the schema `Event`, its \
              data the `data`, as JSON. Every change of state and every deletion of a job comes, in \
-             order, with an id; of the others a slow listener misses some. A stream of a job or a run \
+             order, with an id (to who comes back but those of runs that are gone by then); of the others a slow listener misses some. A stream of a job or a run \
              ends when that is deleted; then it is not found.",
         )
         .header(
@@ -113,6 +116,7 @@ fn listen(
         Some(id) => Some(
             id.to_str()
                 .ok()
+                .filter(|id| id.len() <= ID_DIGITS && id.bytes().all(|byte| byte.is_ascii_digit()))
                 .and_then(|id| id.parse().ok())
                 .ok_or_else(|| {
                     Refusal::new(

@@ -7,6 +7,7 @@ use axum::http::request::Parts;
 
 use super::App;
 use super::refusal::Refusal;
+use super::request::number;
 use crate::store::{JobView, RunView};
 
 /// The id of the job in the path, for [`App::with_job`].
@@ -29,9 +30,9 @@ impl App {
         task: impl FnOnce(&Self, JobView) -> Result<T, Refusal> + Send + 'static,
     ) -> Result<T, Refusal> {
         self.blocking(move |app| {
-            let seq = id
-                .parse()
-                .map_err(|_| Refusal::not_found(ProblemCode::JobNotFound, "job", &id))?;
+            let seq = number(&id);
+            let seq =
+                seq.ok_or_else(|| Refusal::not_found(ProblemCode::JobNotFound, "job", &id))?;
             task(app, app.job(seq)?)
         })
         .await

@@ -15,6 +15,7 @@ use hyper::body::Incoming;
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
 use hyper_util::rt::TokioIo;
+use socket2::SockRef;
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{mpsc, watch};
@@ -28,6 +29,8 @@ const LOOK_EVERY: Duration = Duration::from_secs(1);
 const AFTER_ERROR: Duration = Duration::from_millis(100);
 /// Most bytes of a request's head, and of what is read at once.
 const MAX_BUFFER_BYTES: usize = 64 << 10;
+/// Most bytes of answers that wait in the kernel until a client takes what is before them.
+const MAX_UNSENT_BYTES: u32 = 128 << 10;
 /// What a client reads for which there is no place at all.
 const NO_PLACE: &[u8] =
     b"HTTP/1.1 503 Service Unavailable\r\nretry-after: 1\r\ncontent-length: 0\r\nconnection: close\r\n\r\n";
@@ -88,6 +91,9 @@ pub async fn listen(
 async fn serve(stream: TcpStream, place: Place, routes: Router, mut stopped: watch::Receiver<()>) {
     // Small answers go out at once; where that cannot be had they are only slower.
     drop(stream.set_nodelay(true));
+    // So that what waits in the kernel is no more than what a slow client takes in a moment, and it
+    // is seen that it does.
+    drop(SockRef::from(&stream).set_tcp_notsent_lowat(MAX_UNSENT_BYTES));
     let connection = &place.connection;
     let service = service_fn(|request: Request<Incoming>| {
         let (routes, connection) = (routes.clone(), Arc::clone(connection));

@@ -11,6 +11,7 @@ use percent_encoding::percent_decode_str;
 use serde_json::{Value, json};
 
 use super::refusal::Refusal;
+use super::request::number;
 
 /// Items of a page unless it says how many.
 const DEFAULT_PAGE: u32 = 50;
@@ -215,8 +216,8 @@ impl Query {
         let Some(text) = self.0.get(name) else {
             return Ok(default);
         };
-        match text.parse() {
-            Ok(number) if (min..=max).contains(&number) => Ok(Some(number)),
+        match number(text) {
+            Some(number) if (min..=max).contains(&number) => Ok(Some(number)),
             _ => Err(wrong(format!(
                 "{name} is a whole number from {min} to {max}"
             ))),
@@ -313,6 +314,8 @@ mod tests {
             "cursor=1e3",
             "limit=1&limit=2",
             "lmit=3",
+            "limit=%2B3",
+            "limit=03",
         ] {
             assert_eq!(read(wrong), None, "{wrong}");
         }

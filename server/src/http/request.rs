@@ -1,5 +1,7 @@
 //! What routes read from a request: JSON bodies, idempotency keys.
 
+use std::str::FromStr;
+
 use api::{FieldError, ProblemCode};
 use axum::http::header::CONTENT_TYPE;
 use axum::http::{HeaderMap, HeaderValue};
@@ -37,6 +39,12 @@ pub fn said_to_be_bytes(headers: &HeaderMap) -> Result<(), Refusal> {
     }
     let detail = "send the file, with the header content-type: application/octet-stream or none";
     Err(Refusal::new(ProblemCode::NotSaidToBeBytes, detail))
+}
+
+/// A number as it is written: without a plus or needless noughts.
+pub fn number<T: FromStr + ToString>(text: &str) -> Option<T> {
+    let number: T = text.parse().ok()?;
+    (number.to_string() == text).then_some(number)
 }
 
 /// The body as JSON.

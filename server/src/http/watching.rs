@@ -21,7 +21,7 @@ use super::query::{Parameter, Query};
 use super::refusal::Refusal;
 use super::routes::Routes;
 use crate::store::RunKey;
-use crate::watching::{Viewer, hello, waiting};
+use crate::watching::{Viewer, hello, steps_of_squares, waiting};
 
 /// Most streams of frames at once.
 pub const MAX_VIEWERS: usize = 64;
@@ -89,14 +89,26 @@ async fn frames(State(app): State<App>, FoundRun(run): FoundRun) -> Result<Respo
     Ok(([(CONTENT_TYPE, "application/octet-stream")], body).into_response())
 }
 
+/// What a reader was told of what a run has covered.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Said {
+    Nothing,
+    /// Something, before the run was over.
+    OnTheWay,
+    /// All that there is to tell.
+    AtTheEnd,
+}
+
 /// One stream.
 struct Watching {
     app: App,
     run: RunKey,
     viewer: Option<Viewer>,
     has_begun: bool,
-    /// Whether the reader was told what was covered.
-    said_covered: bool,
+    /// What the reader was told of what was covered.
+    said: Said,
+    /// The steps in which that was covered, as messages have them.
+    said_steps: Option<Bytes>,
     /// Whether the reader was told that nobody steps the run.
     said_waiting: bool,
     _place: OwnedSemaphorePermit,
@@ -112,7 +124,8 @@ fn messages(
         run,
         viewer: None,
         has_begun: false,
-        said_covered: false,
+        said: Said::Nothing,
+        said_steps: None,
         said_waiting: false,
         _place: place,
     };
@@ -137,14 +150,14 @@ impl Watching {
                 }
                 self.viewer = self.app.scheduler.look(self.run);
                 if self.viewer.is_some() {
-                    (self.said_waiting, self.said_covered) = (false, true);
+                    (self.said_waiting, self.said) = (false, Said::OnTheWay);
                     continue;
                 }
-                let (covered, is_awaited) = self.kept().await?;
-                if let Some(covered) = covered {
+                let covered = self.kept().await?;
+                if let Some(covered) = covered.filter(|covered| self.is_news(covered)) {
                     return Some(covered);
                 }
-                if !is_awaited {
+                if self.said == Said::AtTheEnd {
                     return None;
                 }
                 if !std::mem::replace(&mut self.said_waiting, true) {
@@ -157,7 +170,10 @@ impl Watching {
             };
             tokio::select! {
                 shown = viewer.next() => match shown {
-                    Some(message) => return Some(message),
+                    Some(message) => {
+                        self.is_news(&message);
+                        return Some(message);
+                    }
                     // The worker has let the run go.
                     None => self.viewer = None,
                 },
@@ -166,19 +182,31 @@ impl Watching {
         }
     }
 
-    /// What the run has covered, once, and whether it may be stepped again; `None` when it is gone.
-    async fn kept(&mut self) -> Option<(Option<Bytes>, bool)> {
-        let run = self.run;
-        let is_asked = !std::mem::replace(&mut self.said_covered, true);
+    /// Whether a message is not of squares that were shown already; those that it is of are then.
+    fn is_news(&mut self, message: &Bytes) -> bool {
+        let steps = steps_of_squares(message);
+        steps.is_none() || std::mem::replace(&mut self.said_steps, steps.clone()) != steps
+    }
+
+    /// What the run has covered, once before it is over and once then; `None` when it is gone.
+    async fn kept(&mut self) -> Option<Option<Bytes>> {
+        let (run, said) = (self.run, self.said);
         let found = self.app.blocking(move |app| {
             let Some(run) = app.store.run_by_key(run)? else {
                 return Ok(None);
             };
+            let is_over = run.state.state().is_final();
+            let is_asked = said == Said::Nothing || is_over && said != Said::AtTheEnd;
             // What failed or was cancelled has kept nothing.
             let covered = is_asked.then(|| app.findings.covered(&run).ok()).flatten();
-            Ok(Some((covered, !run.state.state().is_final())))
+            Ok(Some((covered, is_over)))
         });
-        found.await.ok().flatten()
+        let (covered, is_over) = found.await.ok().flatten()?;
+        self.said = match is_over {
+            true => Said::AtTheEnd,
+            false => Said::OnTheWay,
+        };
+        Some(covered)
     }
 }
 

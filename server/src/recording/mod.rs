@@ -40,3 +40,4 @@ pub use rows::write_rows;
 pub use slice::{Moments, SliceError, SliceQuery, epoch_of, head, slice, step_of};
 pub use start::{Begun, begin, finish};
 pub use subject::header;
+pub use wish::Wish;

@@ -115,6 +115,12 @@ pub fn covered(steps: u64, squares: &Squares, visits: &[u32], first: &[u64]) -> 
     message.freeze()
 }
 
+/// The steps that a message of squares tells, as it has them; `None` of another.
+pub fn steps_of_squares(message: &Bytes) -> Option<Bytes> {
+    let is_it = message.get(4..8) == Some(&SQUARES.to_le_bytes()[..]);
+    is_it.then(|| Bytes::copy_from_slice(&message[HEAD_BYTES..HEAD_BYTES + 8]))
+}
+
 fn begin(kind: u32, body_bytes: usize) -> BytesMut {
     let mut message = BytesMut::with_capacity(HEAD_BYTES + body_bytes);
     // An arena has at most 1,000,000 squares, a run at most 100,000 robots: well below 2^32.
@@ -169,6 +175,8 @@ mod tests {
         }
         let squares = squares(&run);
         assert_eq!([u32_at(&squares, 16), u32_at(&squares, 20)], [100, 100]);
+        let steps = steps_of_squares(&squares).unwrap();
+        assert_eq!(steps[..], (run.counted_steps() as f64).to_le_bytes());
         let visits = run.visits();
         let told: Vec<u32> = (0..10_000).map(|n| u32_at(&squares, 24 + 4 * n)).collect();
         assert_eq!(told, visits);

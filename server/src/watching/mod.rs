@@ -6,7 +6,7 @@ mod learnt;
 mod observer;
 mod window;
 
-pub use frame::{covered, hello, waiting};
+pub use frame::{covered, hello, steps_of_squares, waiting};
 pub use learnt::{learning, shown};
 pub use observer::Watched;
 pub use window::{Viewer, Window};

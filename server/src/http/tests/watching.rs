@@ -179,6 +179,26 @@ async fn a_run_is_seen_and_asked_and_none_the_worse_for_it() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn what_a_run_covered_that_ended_between_two_looks_is_told() {
+    let service = Service::start(None);
+    let endless = service.job(&job(1_000_000, 1)).await;
+    // As soon as it has the worker it is over.
+    let short = service.job(&job(2, 1)).await;
+    let run = only_run(&service, &short).await;
+    let mut messages = Messages::of(&service, &run).await;
+    while messages.next().await.unwrap().0 != 3 {}
+    let cancelled = service.ask("POST", &format!("{endless}/cancel")).await;
+    assert_eq!(cancelled.status, 200);
+    let mut covered = Vec::new();
+    while let Some((kind, body)) = messages.next().await {
+        if kind == 2 {
+            covered = body;
+        }
+    }
+    assert_eq!(covered[..8], 400.0_f64.to_le_bytes());
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn what_was_learnt_is_told_of_a_paused_run_and_refused_where_nothing_is() {
     let service = Service::start(None);
     let path = service.job(&learner(1_000_000)).await;
