@@ -7,6 +7,7 @@ mod error;
 mod groups;
 mod kept;
 mod learnt;
+mod once;
 mod pooled;
 mod report;
 mod run;
@@ -17,7 +18,7 @@ use std::sync::Arc;
 
 pub use error::FindingsError;
 use kept::Kept;
-use pooled::Pooled;
+use once::Once;
 
 use crate::scheduler::Scheduler;
 use crate::store::Store;
@@ -28,7 +29,7 @@ pub struct Assembler {
     store: Arc<Store>,
     scheduler: Arc<Scheduler>,
     kept: Kept,
-    pooled: Pooled,
+    once: Once,
     /// Turns of reading large specs, and of reading what was found in arenas of many squares.
     large_specs: Turns,
     large_findings: Turns,
@@ -41,7 +42,7 @@ impl Assembler {
             store,
             scheduler,
             kept: Kept::default(),
-            pooled: Pooled::default(),
+            once: Once::default(),
             large_specs: Turns::default(),
             large_findings: Turns::default(),
         }
