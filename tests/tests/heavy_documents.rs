@@ -118,7 +118,8 @@ fn answers_that_nobody_reads_cost_the_memory_of_some_and_shut_nobody_out() {
     }
     let start = Instant::now();
     assert_eq!(server.get("/v1/jobs").status, 200);
-    assert!(start.elapsed() < Duration::from_secs(2), "{start:?}");
+    let took = start.elapsed();
+    assert!(took < Duration::from_secs(5), "{took:?}");
     // Those that are still make room, so that others are answered.
     let part = [("range", "bytes=0-7999999")];
     let length = wait::until("an answer", || {
