@@ -51,8 +51,8 @@ struct Room {
 }
 
 impl Answers {
-    /// Room for so many bytes; answers that are taken too slowly end for it. Where there is no other
-    /// to its address any answer has room.
+    /// Room for so many bytes; answers that are taken too slowly end for it. However large it is, an
+    /// answer has room when no other is under way.
     fn room(&self, bytes: u64, connection: Option<Arc<Connection>>, now: Instant) -> Option<Room> {
         let address = connection.as_ref().map(|connection| connection.address());
         let mut under_way = self.under_way();
