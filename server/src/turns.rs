@@ -69,6 +69,14 @@ impl Turns {
         }))
     }
 
+    /// A turn for what is much work; none is needed for anything else.
+    ///
+    /// # Errors
+    /// As [`Self::take`].
+    pub fn take_if(&self, is_much: bool) -> Result<Option<Turn>, Busy> {
+        is_much.then(|| self.take()).transpose()
+    }
+
     /// Waits for a turn.
     ///
     /// # Errors

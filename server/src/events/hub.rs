@@ -153,9 +153,7 @@ impl Hub {
         let mut board = self.board.lock().unwrap_or_else(PoisonError::into_inner);
         board.since(self, heard, change)
     }
-}
 
-impl Hub {
     /// Looks for changes, and says so where there are any.
     fn look(&self) -> Result<(), StoreError> {
         let before = self.latest.borrow().newest;

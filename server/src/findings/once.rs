@@ -105,6 +105,16 @@ mod tests {
     }
 
     #[test]
+    fn what_is_kept_is_made_once_and_failures_are_not_kept() {
+        let once = Once::default();
+        let make = |byte: u8| move || Ok::<_, ()>(Bytes::from(vec![byte]));
+        assert_eq!(once.get("a", || Err(7)), Some(Err(7)));
+        assert_eq!(once.get("a", make(1)).unwrap().unwrap()[0], 1);
+        assert_eq!(once.get("a", make(2)).unwrap().unwrap()[0], 1);
+        assert_eq!(once.get("b", make(3)).unwrap().unwrap()[0], 3);
+    }
+
+    #[test]
     fn failures_are_not_kept_and_what_is_kept_is_bounded() {
         let once = Once::default();
         assert_eq!(once.get("a", || Err(7)), Some(Err(7)));

@@ -70,7 +70,7 @@ impl Assembler {
             return Ok(FileAnswer { tag, body: None });
         }
         let body = match file.is_dear {
-            true => self.kept.file(&tag, make)?,
+            true => self.once(&tag, make)?,
             false => make()?,
         };
         Ok(FileAnswer {
@@ -145,8 +145,7 @@ impl Assembler {
     /// When the run is gone, or its spec is not valid any more; `Busy` when many large ones are
     /// wanted.
     pub fn resolved(&self, run: &RunView) -> Result<ResolvedRun, FindingsError> {
-        let large = self.has_large_spec(run)?;
-        let _turn = large.then(|| self.large_specs.take()).transpose()?;
+        let _turn = self.large_specs.take_if(self.has_large_spec(run)?)?;
         self.resolved_at_once(run)
     }
 
@@ -165,8 +164,7 @@ impl Assembler {
         spec: &ResolvedRun,
     ) -> Result<Option<Turn>, FindingsError> {
         let squares: u32 = spec.arena().squares().iter().product();
-        let many = squares > MANY_SQUARES;
-        Ok(many.then(|| self.large_findings.take()).transpose()?)
+        Ok(self.large_findings.take_if(squares > MANY_SQUARES)?)
     }
 
     /// The same to read what one of these runs after the other has found.

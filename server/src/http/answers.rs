@@ -54,15 +54,17 @@ impl Answers {
     /// Room for so many bytes; answers that are taken too slowly end for it. However large it is, an
     /// answer has room when no other is under way.
     fn room(&self, bytes: u64, connection: Option<Arc<Connection>>, now: Instant) -> Option<Room> {
-        let address = connection.as_ref().map(|connection| connection.address());
+        let address = address(&connection);
         let mut under_way = self.under_way();
+        // An address leaves room for others.
+        let its_own = |answer: &Answer| self::address(&answer.connection) == address;
+        if !under_way.make_room(MAX_BYTES / ADDRESS_SHARE, its_own, bytes, now)
+            || !under_way.make_room(MAX_BYTES, |_| true, bytes, now)
+        {
+            return None;
+        }
         let number = under_way.next;
         under_way.next += 1;
-        for within in [Within::Share(address), Within::All] {
-            if !under_way.make_room(within, bytes, now) {
-                return None;
-            }
-        }
         let answer = Answer {
             bytes,
             begun: now,
@@ -81,29 +83,27 @@ impl Answers {
     }
 }
 
-/// What must have room.
-#[derive(Clone, Copy)]
-enum Within {
-    /// The answers to one address, so that it leaves room for others.
-    Share(Option<IpAddr>),
-    /// All of them.
-    All,
+fn address(connection: &Option<Arc<Connection>>) -> Option<IpAddr> {
+    connection.as_ref().map(|connection| connection.address())
 }
 
 impl UnderWay {
-    /// Whether there is room for so many bytes, once slow answers have ended.
-    fn make_room(&mut self, within: Within, bytes: u64, now: Instant) -> bool {
-        let (most, address) = match within {
-            Within::Share(address) => (MAX_BYTES / ADDRESS_SHARE, Some(address)),
-            Within::All => (MAX_BYTES, None),
-        };
-        let counts = |answer: &&Answer| address.is_none_or(|address| answer.address() == address);
-        let counted = self.answers.values().filter(counts);
-        let mut held: u64 = counted.map(|answer| answer.bytes).sum();
-        let counted = self.answers.iter().filter(|(_, one)| counts(one));
-        let slow = counted.filter(|(_, one)| one.is_slow(now));
-        for number in slow.map(|(number, _)| *number).collect::<Vec<_>>() {
-            if held == 0 || held + bytes <= most {
+    /// Whether so many bytes and those of answers that count are at most so many, or these alone,
+    /// once slow answers have ended.
+    fn make_room(
+        &mut self,
+        most: u64,
+        counts: impl Fn(&Answer) -> bool,
+        bytes: u64,
+        now: Instant,
+    ) -> bool {
+        let counted = self.answers.iter().filter(|(_, answer)| counts(answer));
+        let mut held: u64 = counted.clone().map(|(_, answer)| answer.bytes).sum();
+        let slow = counted.filter(|(_, answer)| answer.is_slow(now));
+        let slow: Vec<u64> = slow.map(|(number, _)| *number).collect();
+        let has_room = |held: u64| held == 0 || held + bytes <= most;
+        for number in slow {
+            if has_room(held) {
                 break;
             }
             if let Some(answer) = self.answers.remove(&number) {
@@ -113,17 +113,11 @@ impl UnderWay {
                 }
             }
         }
-        held == 0 || held + bytes <= most
+        has_room(held)
     }
 }
 
 impl Answer {
-    fn address(&self) -> Option<IpAddr> {
-        self.connection
-            .as_ref()
-            .map(|connection| connection.address())
-    }
-
     fn is_slow(&self, now: Instant) -> bool {
         let connection = self.connection.as_ref();
         let is_still = connection.is_some_and(|connection| connection.still_for(now) > STILL_TIME);

@@ -117,17 +117,11 @@ async fn compared(
     app.with_job(id, move |app, job| {
         let measure = measure.as_deref().unwrap_or(DEFAULT_MEASURE);
         let asked = format!("comparison {media_type} {measure:?} {by:?}");
-        let body = app.findings.pooled(&job, &asked, || {
-            let _turn = app.turn_to_pool(&job, MANY_RUNS)?;
+        pooled(app, &job, &asked, (MANY_RUNS, media_type), || {
             text(&app.findings.comparison(&job, measure, by.as_deref())?)
-        })?;
-        Ok(([(CONTENT_TYPE, media_type)], body).into_response())
+        })
     })
     .await
-}
-
-fn json(value: &impl Serialize) -> Result<Vec<u8>, Refusal> {
-    serde_json::to_vec(value).map_err(|error| Refusal::internal(&error))
 }
 
 /// `GET /v1/jobs/{id}/curves`.
@@ -147,8 +141,8 @@ async fn curves(State(app): State<App>, id: JobId, query: Query) -> Result<Respo
             runs,
         };
         let asked = format!("{wanted:?}");
-        pooled(app, &job, &asked, || {
-            Ok(app.findings.curves(&job, wanted)?)
+        pooled(app, &job, &asked, (MANY_FINDINGS, JSON), || {
+            json(&app.findings.curves(&job, wanted)?)
         })
     })
     .await
@@ -163,24 +157,29 @@ async fn coverage(State(app): State<App>, id: JobId, query: Query) -> Result<Res
         .unwrap_or(0);
     app.with_job(id, move |app, job| {
         let asked = format!("coverage {group} {by:?}");
-        pooled(app, &job, &asked, || {
+        pooled(app, &job, &asked, (MANY_FINDINGS, JSON), || {
             let found = app.findings.group_coverage(&job, group, by.as_deref());
-            Ok(found?)
+            json(&found?)
         })
     })
     .await
 }
 
-/// What is pooled of each finished run's curve or squares: in turns, and once for all who ask it.
-fn pooled<T: Serialize>(
+/// What is pooled of a job's finished runs: in a turn where they are many, and once for all who ask it.
+fn pooled(
     app: &App,
     job: &JobView,
     asked: &str,
-    pool: impl FnOnce() -> Result<T, Refusal>,
+    (many, media_type): (u64, &'static str),
+    pool: impl FnOnce() -> Result<Vec<u8>, Refusal>,
 ) -> Result<Response, Refusal> {
-    let text = app.findings.pooled(job, asked, || {
-        let _turn = app.turn_to_pool(job, MANY_FINDINGS)?;
-        json(&pool()?)
+    let body = app.findings.pooled(job, asked, || {
+        let _turn = app.turn_to_pool(job, many)?;
+        pool()
     })?;
-    Ok(([(CONTENT_TYPE, JSON)], text).into_response())
+    Ok(([(CONTENT_TYPE, media_type)], body).into_response())
+}
+
+fn json(value: &impl Serialize) -> Result<Vec<u8>, Refusal> {
+    serde_json::to_vec(value).map_err(|error| Refusal::internal(&error))
 }

@@ -272,7 +272,7 @@ fn number(app: &App, body: &[u8], field: &str, range: (i64, i64)) -> Result<i64,
 }
 
 /// Does something to a job and shows it as it is then.
-async fn on_job<E: Into<Refusal>>(
+pub async fn on_job<E: Into<Refusal>>(
     app: App,
     id: JobId,
     change: impl FnOnce(&App, &JobView) -> Result<(), E> + Send + 'static,

@@ -61,8 +61,9 @@ fn listening(id: &str, about: &str) -> Operation {
         .details(
             "Server-sent events. The name of an event is the `event` of the schema `Event`, its \
              data the `data`, as JSON. Every change of state and every deletion of a job comes, in \
-             order, with an id (to who comes back but those of runs that are gone by then); of the others a slow listener misses some. A stream of a job or a run \
-             ends when that is deleted; then it is not found.",
+             order, with an id (to who comes back but those of runs that are gone by then); of the \
+             others a slow listener misses some. A stream of a job or a run ends when that is \
+             deleted; then it is not found.",
         )
         .header(
             "Last-Event-ID",

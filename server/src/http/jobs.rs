@@ -10,6 +10,7 @@ use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 
 use super::App;
+use super::control::on_job;
 use super::extract::JobId;
 use super::operation::{Operation, Shape, key_schema};
 use super::query::{CURSOR, LIMIT, ORDER, Parameter, Query, STATE};
@@ -199,11 +200,7 @@ async fn resume(State(app): State<App>, id: JobId) -> Result<Json<Job>, Refusal>
 
 /// `POST /v1/jobs/{id}/retry`: failed and cancelled runs wait again, from their beginning.
 async fn retry(State(app): State<App>, id: JobId) -> Result<Json<Job>, Refusal> {
-    app.with_job(id, move |app, job| {
-        app.scheduler.try_again(&job)?;
-        Ok(Json(views::job(&app.job(job.seq)?, &app.scheduler)))
-    })
-    .await
+    on_job(app, id, |app, job| app.scheduler.try_again(job)).await
 }
 
 /// `DELETE /v1/jobs/{id}`: whatever its state, with the runs and results that only it has.
@@ -217,9 +214,5 @@ async fn delete(State(app): State<App>, id: JobId) -> Result<StatusCode, Refusal
 
 /// Changes what is wanted of a job.
 async fn want(app: App, id: JobId, intent: Intent) -> Result<Json<Job>, Refusal> {
-    app.with_job(id, move |app, job| {
-        app.scheduler.want(&job, intent)?;
-        Ok(Json(views::job(&app.job(job.seq)?, &app.scheduler)))
-    })
-    .await
+    on_job(app, id, move |app, job| app.scheduler.want(job, intent)).await
 }

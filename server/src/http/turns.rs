@@ -43,12 +43,12 @@ impl App {
     /// # Errors
     /// As [`parse`], and 503 when there is no turn.
     pub(super) fn read(&self, body: &[u8]) -> Result<Document, Refusal> {
-        let large = body.len() > LARGE_TEXT_BYTES;
-        let large = large.then(|| self.turns.take()).transpose()?;
+        let large = self.turns.take_if(body.len() > LARGE_TEXT_BYTES)?;
         let value = parse(body)?;
         let turn = match large {
-            None if is_heavy(&value, body.len(), &|name| self.is_large(name)) => {
-                Some(self.turns.take()?)
+            None => {
+                let heavy = is_heavy(&value, body.len(), &|name| self.is_large(name));
+                self.turns.take_if(heavy)?
             }
             turn => turn,
         };
@@ -67,8 +67,7 @@ impl App {
     /// # Errors
     /// 503 when there is none.
     pub(super) fn turn_to_pool(&self, job: &JobView, many: u64) -> Result<Option<Turn>, Refusal> {
-        let many = job.counts.total > many;
-        Ok(many.then(|| self.pooling.take()).transpose()?)
+        Ok(self.pooling.take_if(job.counts.total > many)?)
     }
 
     /// A turn to make something of this run's spec, if that is large.
@@ -76,7 +75,6 @@ impl App {
     /// # Errors
     /// 503 when there is none.
     pub(super) fn turn_for_spec(&self, run: &RunView) -> Result<Option<Turn>, Refusal> {
-        let large = self.findings.has_large_spec(run)?;
-        Ok(large.then(|| self.turns.take()).transpose()?)
+        Ok(self.turns.take_if(self.findings.has_large_spec(run)?)?)
     }
 }

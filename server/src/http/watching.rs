@@ -108,7 +108,7 @@ struct Watching {
     /// What the reader was told of what was covered.
     said: Said,
     /// The steps in which that was covered, as messages have them.
-    said_steps: Option<Bytes>,
+    said_steps: Option<[u8; 8]>,
     /// Whether the reader was told that nobody steps the run.
     said_waiting: bool,
     _place: OwnedSemaphorePermit,
@@ -185,7 +185,7 @@ impl Watching {
     /// Whether a message is not of squares that were shown already; those that it is of are then.
     fn is_news(&mut self, message: &Bytes) -> bool {
         let steps = steps_of_squares(message);
-        steps.is_none() || std::mem::replace(&mut self.said_steps, steps.clone()) != steps
+        steps.is_none() || std::mem::replace(&mut self.said_steps, steps) != steps
     }
 
     /// What the run has covered, once before it is over and once then; `None` when it is gone.

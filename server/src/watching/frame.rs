@@ -116,9 +116,10 @@ pub fn covered(steps: u64, squares: &Squares, visits: &[u32], first: &[u64]) -> 
 }
 
 /// The steps that a message of squares tells, as it has them; `None` of another.
-pub fn steps_of_squares(message: &Bytes) -> Option<Bytes> {
-    let is_it = message.get(4..8) == Some(&SQUARES.to_le_bytes()[..]);
-    is_it.then(|| Bytes::copy_from_slice(&message[HEAD_BYTES..HEAD_BYTES + 8]))
+pub fn steps_of_squares(message: &[u8]) -> Option<[u8; 8]> {
+    let is_it = message.get(4..8)? == SQUARES.to_le_bytes();
+    let steps = message.get(HEAD_BYTES..HEAD_BYTES + 8).filter(|_| is_it)?;
+    steps.try_into().ok()
 }
 
 fn begin(kind: u32, body_bytes: usize) -> BytesMut {
